@@ -1,0 +1,50 @@
+//! Why a control net is refused.
+
+use crate::MAX_DEGREE;
+
+/// Why a control net is refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum NetError {
+    /// The degree exceeds [`MAX_DEGREE`].
+    Degree {
+        /// The degree asked for.
+        degree: usize,
+    },
+    /// The net does not have the number of control points that its degrees and knots ask for.
+    Count {
+        /// How many control points were given.
+        given: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// A knot vector decreases, is not finite, or is too short for one polynomial piece.
+    Knots {
+        /// Index of the offending knot.
+        index: usize,
+    },
+    /// A control point has a coordinate that is not finite.
+    NotFinite {
+        /// Index of the control point in the net.
+        index: usize,
+    },
+}
+
+impl std::fmt::Display for NetError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Degree { degree } => {
+                write!(f, "degree {degree} exceeds {MAX_DEGREE}; split the net into pieces of lower degree")
+            }
+            Self::Count { given, needed } => {
+                write!(f, "the net has {given} control points, its degrees and knots ask for {needed}")
+            }
+            Self::Knots { index } => {
+                write!(f, "knot {index} is not finite, smaller than the knot before it, or spans no interval")
+            }
+            Self::NotFinite { index } => write!(f, "control point {index} is not finite"),
+        }
+    }
+}
+
+impl std::error::Error for NetError {}

@@ -1,0 +1,53 @@
+//! The indexed triangle mesh.
+
+use glam::DVec3;
+
+/// Triangles over shared vertices; faces are counter-clockwise seen from outside.
+///
+/// The fields are plain data and nothing is promised of them: [`Topology::build`](crate::Topology::build) is where a mesh proves
+/// that it is an oriented manifold.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TriMesh {
+    /// Vertex positions, in the units of the input.
+    pub positions: Vec<DVec3>,
+    /// Vertex indices of every face.
+    pub faces: Vec<[u32; 3]>,
+    /// One normal per vertex, where the file has them; not necessarily of unit length.
+    pub normals: Option<Vec<DVec3>>,
+}
+
+impl TriMesh {
+    /// A mesh without normals.
+    pub fn new(positions: Vec<DVec3>, faces: Vec<[u32; 3]>) -> Self {
+        Self { positions, faces, normals: None }
+    }
+
+    /// The three positions of face `f`.
+    ///
+    /// # Panics
+    /// When the face or one of its vertices does not exist.
+    pub fn corners(&self, f: usize) -> [DVec3; 3] {
+        self.faces[f].map(|v| self.positions[v as usize])
+    }
+
+    /// Half the cross product of two edges of face `f`: its outward normal times its area.
+    ///
+    /// # Panics
+    /// When the face or one of its vertices does not exist.
+    pub fn area_vector(&self, f: usize) -> DVec3 {
+        let [a, b, c] = self.corners(f);
+        0.5 * (b - a).cross(c - a)
+    }
+
+    /// Lower and upper corner of the box around the vertices that faces use; `None` without faces.
+    pub fn bounding_box(&self) -> Option<[DVec3; 2]> {
+        let mut used = self.faces.iter().flatten().map(|&v| self.positions[v as usize]);
+        let first = used.next()?;
+        Some(used.fold([first; 2], |[lo, hi], p| [lo.min(p), hi.max(p)]))
+    }
+
+    /// Length of the diagonal of [`bounding_box`](Self::bounding_box): the length that all tolerances refer to. 0 without faces.
+    pub fn diagonal(&self) -> f64 {
+        self.bounding_box().map_or(0.0, |[lo, hi]| lo.distance(hi))
+    }
+}
