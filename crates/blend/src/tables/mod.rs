@@ -1,0 +1,3 @@
+//! Generated tables: written by `cargo xtask codegen`, do not edit.
+
+pub(crate) mod n_blend;
