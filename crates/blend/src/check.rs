@@ -1,0 +1,162 @@
+//! Are the maps of a network usable: no fold, no ring that crosses itself, nothing outside the domain of a B-spline?
+
+use glam::DVec2;
+use suture_bernstein::{BSplineSurface, BezierPatch, Jet2};
+
+use crate::assemble::trimming_loop;
+use crate::maps::{MapSet, StripMaps};
+use crate::{BlendError, Network, gon};
+
+/// Samples per direction of a strip and per edge of a trimming loop.
+const SAMPLES: usize = 8;
+
+/// A map that cannot be used, with the corners whose widths it depends on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// What is wrong, and where.
+    pub error: BlendError,
+    /// The corners whose widths could be reduced.
+    pub corners: Vec<usize>,
+}
+
+/// Smallest Jacobian of any map relative to its largest, and everything that is wrong.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapReport {
+    /// Smallest over all strip maps of (smallest Jacobian)/(largest Jacobian); 1 for affine maps.
+    pub jacobian: f64,
+    /// What is wrong, empty for usable maps.
+    pub obstacles: Vec<Obstacle>,
+}
+
+/// Tests every map of the network by samples: 9 × 9 per strip, 8 per edge of a trimming loop.
+pub fn check_maps(network: &Network, maps: &MapSet) -> MapReport {
+    let mut report = MapReport { jacobian: 1.0, obstacles: Vec::new() };
+    for (c, set) in maps.corners.iter().enumerate() {
+        let corner = &network.corners[c];
+        let n = corner.arcs.len();
+        for (j, strip) in set.strips.iter().enumerate() {
+            let sides = [network.segment(corner, j), network.segment(corner, (j + n - 1) % n)];
+            let place = || format!("the strip beside corner {c} on arc {}", corner.arcs[j].arc);
+            check_strip(network, strip, sides, &[c], &place, &mut report);
+        }
+        for (j, map) in set.gon.iter().enumerate() {
+            let segment = network.segment(corner, j);
+            let points = gon::corners(n).into_iter().map(|p| map.jet(p).p);
+            let place = || format!("the N-blend at corner {c}");
+            check_inside(&network.surfaces[segment], segment, points, &[c], &place, &mut report);
+        }
+    }
+    for (a, chain) in maps.chains.iter().enumerate() {
+        let arc = &network.arcs[a];
+        for (k, strip) in chain.iter().enumerate() {
+            let place = || format!("strip {k} of arc {a}");
+            // Only the ends of a chain depend on one corner alone.
+            let corners = arc.corners;
+            check_strip(network, strip, [arc.right, arc.left], &corners, &place, &mut report);
+        }
+    }
+    for segment in 0..network.surfaces.len() {
+        check_loop(network, maps, segment, &mut report);
+    }
+    report
+}
+
+fn check_strip(
+    network: &Network,
+    strip: &StripMaps,
+    sides: [usize; 2],
+    corners: &[usize],
+    place: &dyn Fn() -> String,
+    report: &mut MapReport,
+) {
+    for (map, segment) in [(&strip.down, sides[0]), (&strip.up, sides[1])] {
+        let grid = jets(map);
+        let determinants = grid.iter().map(|j| j.du.perp_dot(j.dv));
+        let (low, high) =
+            determinants.fold((f64::INFINITY, 0.0_f64), |(low, high), d| (low.min(d), high.max(d.abs())));
+        let ratio = if high > 0.0 { low / high } else { 0.0 };
+        report.jacobian = report.jacobian.min(ratio);
+        if !(ratio > 0.0) {
+            let error = BlendError::Fold { place: place(), segment, jacobian: ratio };
+            report.obstacles.push(Obstacle { error, corners: corners.to_vec() });
+        }
+        let points = grid.iter().map(|j| j.p);
+        check_inside(&network.surfaces[segment], segment, points, corners, place, report);
+    }
+}
+
+fn jets(map: &BezierPatch<DVec2>) -> Vec<Jet2<DVec2>> {
+    let step = |i: usize| i as f64 / SAMPLES as f64;
+    (0..=SAMPLES)
+        .flat_map(|i| (0..=SAMPLES).map(move |j| DVec2::new(step(i), step(j))))
+        .map(|at| map.jet(at))
+        .collect()
+}
+
+fn check_inside(
+    surface: &BSplineSurface<glam::DVec3>,
+    segment: usize,
+    points: impl Iterator<Item = DVec2>,
+    corners: &[usize],
+    place: &dyn Fn() -> String,
+    report: &mut MapReport,
+) {
+    let [min, max] = surface.domain();
+    let outside = points.fold(0.0_f64, |worst, p| {
+        let d = (min - p).max(p - max).max(DVec2::ZERO) / (max - min);
+        worst.max(d.max_element())
+    });
+    // Rounding beside the border is continued polynomially and harmless.
+    if outside > 1e-12 {
+        let error = BlendError::OutsideDomain { place: place(), segment, overshoot: outside };
+        report.obstacles.push(Obstacle { error, corners: corners.to_vec() });
+    }
+}
+
+/// The trimming loop of a segment must be a simple, counter-clockwise polygon.
+fn check_loop(network: &Network, maps: &MapSet, segment: usize, report: &mut MapReport) {
+    let Ok(edges) = trimming_loop(network, maps, segment) else {
+        return;
+    };
+    let mut points = Vec::new();
+    for edge in &edges {
+        for k in 0..SAMPLES {
+            points.push((edge.curve.jet::<1>(k as f64 / SAMPLES as f64)[0], edge.corners));
+        }
+    }
+    let n = points.len();
+    let area: f64 = (0..n).map(|i| points[i].0.perp_dot(points[(i + 1) % n].0)).sum();
+    let mut blame = |corners: Vec<usize>| {
+        report.obstacles.push(Obstacle { error: BlendError::Overlap { segment }, corners });
+    };
+    if !(area > 0.0) {
+        blame(edges.iter().flat_map(|e| e.corners).collect());
+        return;
+    }
+    // Sweep over the sides in the order of their left ends.
+    let mut sides: Vec<(f64, f64, usize)> = (0..n)
+        .map(|i| {
+            let (a, b) = (points[i].0.x, points[(i + 1) % n].0.x);
+            (a.min(b), a.max(b), i)
+        })
+        .collect();
+    sides.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+    for (s, &(_, right, i)) in sides.iter().enumerate() {
+        for &(left, _, j) in &sides[s + 1..] {
+            if left > right {
+                break;
+            }
+            let adjacent = (i + 1) % n == j || (j + 1) % n == i;
+            if !adjacent && cross([points[i].0, points[(i + 1) % n].0], [points[j].0, points[(j + 1) % n].0])
+            {
+                blame([points[i].1, points[j].1].concat());
+                return;
+            }
+        }
+    }
+}
+
+fn cross([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
+    let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
+}

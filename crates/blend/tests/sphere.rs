@@ -1,0 +1,211 @@
+//! A sphere in six central charts: the whole construction against what must hold exactly.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+use suture_bernstein::BSplineSurface;
+use suture_blend::*;
+use suture_surface::{Jet2, PatchKind, Surface};
+
+/// Right-handed frame of the chart around the axis `face / 2`, on its positive or negative side.
+fn frame(face: usize) -> [DVec3; 3] {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let (a, sign) = (face / 2, if face % 2 == 0 { 1.0 } else { -1.0 });
+    let n = axes[a] * sign;
+    let u = axes[(a + 1) % 3];
+    [u, n.cross(u), n]
+}
+
+/// Central projection: the sphere point over (u, v) in the tangent plane of the face.
+fn point(face: usize, p: DVec2) -> DVec3 {
+    let [u, v, n] = frame(face);
+    (u * p.x + v * p.y + n).normalize()
+}
+
+fn parameter(face: usize, x: DVec3) -> DVec2 {
+    let [u, v, n] = frame(face);
+    DVec2::new(x.dot(u), x.dot(v)) / x.dot(n)
+}
+
+/// A bicubic spline near the sphere (control points beyond it by the second-order term of the quasi-interpolant), skewed in its
+/// parameters so that no chart is isometric by luck.
+fn spline(face: usize) -> BSplineSurface<DVec3> {
+    let (cells, h) = (24, 0.15);
+    let count = cells + 3;
+    let knots = || (0..count + 4).map(|i| (i as f64 - 3.0) * h - 0.5 * cells as f64 * h).collect::<Vec<_>>();
+    let f = |i: isize, j: isize| {
+        let g = |k: isize| (k as f64 - 1.0) * h - 0.5 * cells as f64 * h;
+        point(face, DVec2::new(g(i), g(j)))
+    };
+    let net = (0..count as isize)
+        .flat_map(|i| (0..count as isize).map(move |j| (i, j)))
+        .map(|(i, j)| {
+            // c = f − (h²/6) Δf removes the error of order h² of the control points f(Greville).
+            let laplace = f(i + 1, j) + f(i - 1, j) + f(i, j + 1) + f(i, j - 1) - 4.0 * f(i, j);
+            f(i, j) - laplace / 6.0
+        })
+        .collect();
+    BSplineSurface::new([3, 3], [knots(), knots()], net).unwrap()
+}
+
+fn cube() -> Network {
+    let corner_points: Vec<DVec3> =
+        (0..8).map(|i| DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2)).normalize()).collect();
+    fn sign(i: usize, b: usize) -> f64 {
+        if i >> b & 1 == 0 { 1.0 } else { -1.0 }
+    }
+    // Faces as loops of corners, counter-clockwise in their own chart.
+    let faces: Vec<Vec<usize>> = (0..6)
+        .map(|f| {
+            let n = frame(f)[2];
+            let mut c: Vec<usize> = (0..8).filter(|&i| corner_points[i].dot(n) > 0.1).collect();
+            c.sort_by(|&a, &b| {
+                let angle = |i: usize| parameter(f, corner_points[i]).to_angle();
+                angle(a).total_cmp(&angle(b))
+            });
+            c
+        })
+        .collect();
+    let mut arcs: Vec<ArcCurve> = Vec::new();
+    for (f, loop_) in faces.iter().enumerate() {
+        for k in 0..4 {
+            let (a, b) = (loop_[k], loop_[(k + 1) % 4]);
+            if a > b {
+                continue;
+            }
+            let right = (0..6).find(|&g| g != f && faces[g].contains(&a) && faces[g].contains(&b)).unwrap();
+            let samples = (0..=64)
+                .map(|i| {
+                    let t = i as f64 / 64.0;
+                    let x = (corner_points[a] * (1.0 - t) + corner_points[b] * t).normalize();
+                    ArcSample { position: x, left: parameter(f, x), right: parameter(right, x) }
+                })
+                .collect();
+            arcs.push(ArcCurve { corners: [a, b], left: f, right, samples });
+        }
+    }
+    let corners = (0..8)
+        .map(|c| {
+            // Counter-clockwise: the arc whose left segment is the right one of the next arc.
+            let ends: Vec<ArcEnd> = arcs
+                .iter()
+                .enumerate()
+                .filter(|(_, a)| a.corners.contains(&c))
+                .map(|(arc, a)| ArcEnd { arc, starts: a.corners[0] == c })
+                .collect();
+            let left = |e: &ArcEnd| if e.starts { arcs[e.arc].left } else { arcs[e.arc].right };
+            let right = |e: &ArcEnd| if e.starts { arcs[e.arc].right } else { arcs[e.arc].left };
+            let mut ordered = vec![ends[0]];
+            while ordered.len() < ends.len() {
+                let next = ends.iter().find(|e| right(e) == left(ordered.last().unwrap())).unwrap();
+                ordered.push(*next);
+            }
+            Corner { arcs: ordered }
+        })
+        .collect();
+    Network {
+        surfaces: (0..6).map(|f| Arc::new(spline(f))).collect(),
+        corners,
+        arcs,
+        diagonal: 12.0_f64.sqrt(),
+    }
+}
+
+/// Shape operator as a symmetric bilinear form in space, with the normal.
+fn shape(j: &Jet2) -> (DVec3, glam::DMat3) {
+    let n = j.normal().unwrap();
+    let (e, f, g) = (j.du.dot(j.du), j.du.dot(j.dv), j.dv.dot(j.dv));
+    let (l, m, k) = (j.duu.dot(n), j.duv.dot(n), j.dvv.dot(n));
+    let det = e * g - f * f;
+    // Dual basis of the tangent plane.
+    let (a, b) = ((j.du * g - j.dv * f) / det, (j.dv * e - j.du * f) / det);
+    let outer = |x: DVec3, y: DVec3| glam::DMat3::from_cols(x * y.x, x * y.y, x * y.z);
+    (n, outer(a, a) * l + (outer(a, b) + outer(b, a)) * m + outer(b, b) * k)
+}
+
+fn jumps(surface: &Surface) -> [f64; 3] {
+    let mut worst = [0.0_f64; 3];
+    for seam in surface.seams() {
+        let side = |e: suture_surface::EdgeRef, t: f64| {
+            let patch = surface.patch(e.patch).unwrap();
+            patch.jet(patch.domain().edge(e.edge as usize).unwrap().point(t))
+        };
+        for k in 0..=10 {
+            let t = k as f64 / 10.0;
+            let (a, b) = (side(seam.a, t), side(seam.b, seam.opposite(t)));
+            let ((na, sa), (nb, sb)) = (shape(&a), shape(&b));
+            worst[0] = worst[0].max(a.p.distance(b.p));
+            worst[1] = worst[1].max(na.cross(nb).length());
+            let d = sa - sb;
+            worst[2] = worst[2].max(d.x_axis.length().max(d.y_axis.length()).max(d.z_axis.length()));
+        }
+    }
+    worst
+}
+
+#[track_caller]
+fn check_c2(options: WidthOptions) {
+    let blend = blend(&cube(), &PaperMaps, &options).unwrap();
+    let [position, normal, curvature] = jumps(&blend.surface);
+    // The bounds of the specification for the sphere in eight charts.
+    assert!(
+        position <= 4e-15 && normal <= 5e-12 && curvature <= 1e-9,
+        "{position:e} {normal:e} {curvature:e}"
+    );
+    let edges: usize = blend.surface.patches().iter().map(|p| p.domain().edge_count()).sum();
+    assert_eq!(edges, 2 * blend.surface.seams().len(), "an edge has no seam");
+}
+
+#[test]
+fn fidelity_is_c2() {
+    check_c2(WidthOptions::default());
+}
+
+#[test]
+fn fillet_is_c2() {
+    check_c2(WidthOptions { intent: Intent::Fillet, ..WidthOptions::default() });
+}
+
+#[test]
+fn unequal_widths_are_c2() {
+    let mut network = cube();
+    // One short arc narrows two corners; the widths vary along the arcs that leave them.
+    for s in &mut network.arcs[0].samples {
+        s.position *= 0.3;
+    }
+    let blend = blend(&network, &PaperMaps, &WidthOptions::default()).unwrap();
+    assert!(blend.widths.corner.iter().any(|w| *w < 0.9 * blend.widths.corner[7]));
+    let [position, normal, curvature] = jumps(&blend.surface);
+    assert!(
+        position <= 4e-15 && normal <= 5e-12 && curvature <= 1e-8,
+        "{position:e} {normal:e} {curvature:e}"
+    );
+}
+
+#[test]
+fn the_blend_stays_on_the_sphere() {
+    let blend =
+        blend(&cube(), &PaperMaps, &WidthOptions { wanted: 0.04, ..WidthOptions::default() }).unwrap();
+    for patch in blend.surface.patches() {
+        if let PatchKind::NBlend { .. } | PatchKind::AdjacentStrip | PatchKind::Strip { .. } = patch.kind() {
+            let at = match patch.kind() {
+                PatchKind::NBlend { .. } => DVec2::ZERO,
+                _ => DVec2::splat(0.5),
+            };
+            let jet = patch.jet(at);
+            let (n, form) = shape(&jet);
+            // Spline error about 2e-5, paper maps add κδ²/8.
+            assert!((jet.p.length() - 1.0).abs() < 2e-4, "{}", jet.p.length());
+            assert!(n.dot(jet.p) > 0.99, "normals point outwards");
+            let mean = -0.5 * (form.x_axis.x + form.y_axis.y + form.z_axis.z);
+            assert!((mean - 1.0).abs() < 0.06, "{mean}");
+        }
+    }
+}
+
+#[test]
+fn too_wide_is_refused_with_the_arc() {
+    let options = WidthOptions { d_in: Some(0.4), ..WidthOptions::default() };
+    let error = blend(&cube(), &PaperMaps, &options).unwrap_err();
+    assert!(matches!(error, BlendError::ArcTooShort { .. }), "{error}");
+}
