@@ -36,6 +36,7 @@
 mod automatic;
 mod census;
 mod error;
+mod fair;
 mod flatten;
 mod labels;
 mod segmentation;
@@ -43,6 +44,7 @@ mod waypoints;
 
 pub use automatic::{Automatic, AutomaticOptions};
 pub use error::SegmentError;
+pub use fair::{FairOptions, MeshPoint, fair_arcs};
 pub use flatten::{Flatten, NormalSpread};
 pub use labels::{Labels, read_labels, write_labels};
 pub use segmentation::{Arc, ArcEnd, ChartBoundary, Corner, Limits, Segmentation, reach};

@@ -1,0 +1,233 @@
+//! Corner moves: local relabelling that lengthens short arcs.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::shape::{Shape, UNIT};
+use super::survey::{Survey, SurveyArc, Surveyor, WANTED, border};
+use crate::census::is_border;
+use crate::segmentation::reach;
+
+/// Most moves per call.
+const MOVES: usize = 80;
+/// Largest number of faces a move looks at.
+const BALL: usize = 20_000;
+
+/// Lengthens short arcs one by one: for the arc that admits the least width, tries to push its ends outwards, to let other
+/// corners slide, and to exchange the neighbours across it, and keeps the valid result with the least objective. Stops when no
+/// short arc can be improved or after 80 moves.
+pub(super) fn move_corners(shape: &Shape, labels: &mut Vec<u32>, charts: usize, max_valence: usize) {
+    let mut mover = Mover {
+        shape,
+        surveyor: Surveyor::new(shape, max_valence),
+        charts,
+        borders: border(shape, labels),
+        labels: std::mem::take(labels),
+        listed: vec![false; shape.lengths.len()],
+        distance: vec![u64::MAX; shape.areas.len()],
+        reached: vec![(u64::MAX, u32::MAX); shape.areas.len()],
+    };
+    mover.run();
+    *labels = mover.labels;
+}
+
+struct Mover<'a> {
+    shape: &'a Shape<'a>,
+    surveyor: Surveyor<'a>,
+    charts: usize,
+    labels: Vec<u32>,
+    borders: Vec<u32>,
+    /// Scratch: half-edges of the border list.
+    listed: Vec<bool>,
+    /// Scratch: distance from the centre of the ball.
+    distance: Vec<u64>,
+    /// Scratch: distance from the growing charts, and which.
+    reached: Vec<(u64, u32)>,
+}
+
+impl Mover<'_> {
+    fn run(&mut self) {
+        let Some(mut survey) = self.surveyor.survey(&self.labels, &self.borders, self.charts) else { return };
+        let mut blocked: Vec<([u32; 2], [u32; 2])> = Vec::new();
+        let mut moves = 0;
+        while moves < MOVES {
+            let shortest = survey
+                .arcs
+                .iter()
+                .filter(|a| a.width < WANTED && !blocked.contains(&(a.charts, a.ends)))
+                .min_by(|a, b| a.width.total_cmp(&b.width).then(a.ends.cmp(&b.ends)));
+            let Some(arc) = shortest.cloned() else { return };
+            let Some((changes, next)) = self.best_move(&arc, survey.objective) else {
+                blocked.push((arc.charts, arc.ends));
+                continue;
+            };
+            moves += 1;
+            let touched: Vec<u32> =
+                changes.iter().flat_map(|&(f, new)| [new, self.labels[f as usize]]).collect();
+            // What blocked an arc may be gone when one of its charts changed.
+            blocked.retain(|(charts, _)| !charts.iter().any(|r| touched.contains(r)));
+            for (f, new) in changes {
+                self.labels[f as usize] = new;
+            }
+            self.borders = border(self.shape, &self.labels);
+            survey = next;
+        }
+    }
+
+    /// The best strictly improving valid candidate, the first of equals.
+    fn best_move(&mut self, arc: &SurveyArc, objective: f64) -> Option<(Vec<(u32, u32)>, Survey)> {
+        let mut best: Option<(Vec<(u32, u32)>, Survey)> = None;
+        let mut bound = objective - 1e-9;
+        let mut tried: Vec<Vec<(u32, u32)>> = Vec::new();
+        for (centre, rho, from, to) in self.candidates(arc) {
+            let changes = self.grow(centre, rho, &from, &to);
+            if changes.is_empty() || tried.contains(&changes) {
+                continue;
+            }
+            if let Some(survey) = self.survey_with(&changes)
+                && survey.objective < bound
+            {
+                bound = survey.objective - 1e-12;
+                best = Some((changes.clone(), survey));
+            }
+            tried.push(changes);
+        }
+        best
+    }
+
+    /// Centre, radius, the charts that give faces and those that take them.
+    fn candidates(&self, arc: &SurveyArc) -> Vec<(u32, f64, Vec<u32>, Vec<u32>)> {
+        let shape = self.shape;
+        let around = arc.ends.map(|v| self.charts_at(v));
+        let missing = (WANTED - arc.width) * (reach(around[0].len()) + reach(around[1].len()) + 1.0);
+        let mut list = Vec::new();
+        for (&v, here) in arc.ends.iter().zip(&around) {
+            let others = |x: &[u32]| here.iter().copied().filter(|r| !x.contains(r)).collect::<Vec<_>>();
+            for f in [0.5, 1.0, 1.6] {
+                let rho = f64::max(f * missing, 1.2 * shape.median_edge);
+                list.push((v, rho, others(&arc.charts), arc.charts.to_vec()));
+                for &x in here {
+                    list.push((v, rho, vec![x], others(&[x])));
+                    for y in others(&[x]) {
+                        list.push((v, rho, vec![x], vec![y]));
+                    }
+                }
+            }
+        }
+        let mut beyond: Vec<u32> =
+            around.iter().flatten().copied().filter(|r| !arc.charts.contains(r)).collect();
+        beyond.sort_unstable();
+        beyond.dedup();
+        for f in [0.5, 1.0, 1.6] {
+            let rho = 0.5 * arc.length + f * missing / 1.5 + shape.median_edge;
+            list.push((arc.middle, rho, arc.charts.to_vec(), beyond.clone()));
+        }
+        list
+    }
+
+    fn charts_at(&self, v: u32) -> Vec<u32> {
+        let topology = self.shape.topology;
+        topology
+            .outgoing(v)
+            .filter(|&h| is_border(topology, &self.labels, h))
+            .map(|h| self.labels[h as usize / 3])
+            .collect()
+    }
+
+    /// The faces within `rho` of a vertex whose chart is in `from`, each with the nearest chart of `to`, reached through `from`.
+    fn grow(&mut self, centre: u32, rho: f64, from: &[u32], to: &[u32]) -> Vec<(u32, u32)> {
+        let shape = self.shape;
+        let topology = shape.topology;
+        let limit = (rho * UNIT) as u64;
+        let step = |h: u32| ((shape.spans[h as usize] * UNIT).round() as u64).max(1);
+        let mut ball = Vec::new();
+        let mut queue = BinaryHeap::new();
+        for h in topology.outgoing(centre) {
+            let f = h / 3;
+            let d = shape.centroids[f as usize].distance(shape.positions[centre as usize]);
+            let d = (d * UNIT).round() as u64;
+            self.distance[f as usize] = d;
+            ball.push(f);
+            queue.push(Reverse((d, f)));
+        }
+        while let Some(Reverse((d, f))) = queue.pop() {
+            if d > self.distance[f as usize] || ball.len() > BALL {
+                continue;
+            }
+            for h in 3 * f..3 * f + 3 {
+                let Some(g) = topology.opposite(h).map(|o| o / 3) else { continue };
+                let next = d + step(h);
+                if next <= limit && next < self.distance[g as usize] {
+                    if self.distance[g as usize] == u64::MAX {
+                        ball.push(g);
+                    }
+                    self.distance[g as usize] = next;
+                    queue.push(Reverse((next, g)));
+                }
+            }
+        }
+        let mut queue = BinaryHeap::new();
+        for &f in ball.iter().filter(|&&f| to.contains(&self.labels[f as usize])) {
+            let label = self.labels[f as usize];
+            self.reached[f as usize] = (0, label);
+            queue.push(Reverse((0u64, label, f)));
+        }
+        while let Some(Reverse((d, label, f))) = queue.pop() {
+            if (d, label) > self.reached[f as usize] {
+                continue;
+            }
+            for h in 3 * f..3 * f + 3 {
+                let Some(g) = topology.opposite(h).map(|o| o / 3) else { continue };
+                let inside = self.distance[g as usize] != u64::MAX && from.contains(&self.labels[g as usize]);
+                let next = (d + step(h), label);
+                if inside && next < self.reached[g as usize] {
+                    self.reached[g as usize] = next;
+                    queue.push(Reverse((next.0, next.1, g)));
+                }
+            }
+        }
+        ball.sort_unstable();
+        let mut changes = Vec::new();
+        for &f in &ball {
+            let (d, label) = self.reached[f as usize];
+            if d != u64::MAX && d > 0 {
+                changes.push((f, label));
+            }
+            self.distance[f as usize] = u64::MAX;
+            self.reached[f as usize] = (u64::MAX, u32::MAX);
+        }
+        changes
+    }
+
+    /// Surveys the partition with some faces relabelled, and leaves it as it was.
+    fn survey_with(&mut self, changes: &[(u32, u32)]) -> Option<Survey> {
+        let topology = self.shape.topology;
+        let old: Vec<u32> = changes.iter().map(|&(f, _)| self.labels[f as usize]).collect();
+        for &(f, new) in changes {
+            self.labels[f as usize] = new;
+        }
+        let mut borders: Vec<u32> = Vec::with_capacity(self.borders.len() + 3 * changes.len());
+        borders.extend(self.borders.iter().copied().filter(|&h| is_border(topology, &self.labels, h)));
+        for &h in &borders {
+            self.listed[h as usize] = true;
+        }
+        for &(f, _) in changes {
+            for h in 3 * f..3 * f + 3 {
+                for g in [Some(h), topology.opposite(h)].into_iter().flatten() {
+                    if !self.listed[g as usize] && is_border(topology, &self.labels, g) {
+                        self.listed[g as usize] = true;
+                        borders.push(g);
+                    }
+                }
+            }
+        }
+        for &h in &borders {
+            self.listed[h as usize] = false;
+        }
+        let survey = self.surveyor.survey(&self.labels, &borders, self.charts);
+        for (&(f, _), old) in changes.iter().zip(old) {
+            self.labels[f as usize] = old;
+        }
+        survey
+    }
+}
