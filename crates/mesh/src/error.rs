@@ -58,7 +58,9 @@ pub enum MeshError {
         expected: &'static str,
     },
     /// The file ends inside something.
-    #[error("{format}, {at}: the file ends where {expected} should follow; it is truncated, get a complete copy")]
+    #[error(
+        "{format}, {at}: the file ends where {expected} should follow; it is truncated, get a complete copy"
+    )]
     Truncated {
         /// File kind.
         format: MeshFormat,
@@ -85,7 +87,9 @@ pub enum MeshError {
         possible: u64,
     },
     /// A coordinate is NaN or infinite (or too large for `f64`).
-    #[error("{format}, {at}: coordinate `{value}` of vertex {vertex} (from 0) is not a finite number; correct or remove the vertex")]
+    #[error(
+        "{format}, {at}: coordinate `{value}` of vertex {vertex} (from 0) is not a finite number; correct or remove the vertex"
+    )]
     NotFinite {
         /// File kind.
         format: MeshFormat,
@@ -136,7 +140,9 @@ pub enum MeshError {
         what: &'static str,
     },
     /// There are no faces.
-    #[error("{format}: there are {vertices} vertices but no faces; a mesh with triangles or polygons is needed")]
+    #[error(
+        "{format}: there are {vertices} vertices but no faces; a mesh with triangles or polygons is needed"
+    )]
     NoFaces {
         /// File kind.
         format: MeshFormat,

@@ -73,7 +73,9 @@ fn statement(keyword: &[u8], lexer: &mut Lexer<'_>, draft: &mut Draft) -> Result
         b"vt" | b"vp" | b"g" | b"o" | b"s" | b"mg" | b"usemtl" | b"mtllib" | b"usemap" | b"maplib"
         | b"lod" | b"bevel" | b"c_interp" | b"d_interp" | b"shadow_obj" | b"trace_obj" => {}
         b"cstype" | b"deg" | b"bmat" | b"step" | b"curv" | b"curv2" | b"surf" | b"parm" | b"trim"
-        | b"hole" | b"scrv" | b"sp" | b"end" | b"con" => draft.ignore("statement of a free-form surface", 1, at),
+        | b"hole" | b"scrv" | b"sp" | b"end" | b"con" => {
+            draft.ignore("statement of a free-form surface", 1, at)
+        }
         _ => draft.ignore("unknown statement", 1, at),
     }
     Ok(())
@@ -143,7 +145,8 @@ mod tests {
 
     #[test]
     fn normals_are_kept_to_the_bit_or_averaged_with_a_notice() {
-        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 2\nvn 2 0 0\nf 1//1 2//1 3//1\nf 3//2 2//1 4//2\n";
+        let text =
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 2\nvn 2 0 0\nf 1//1 2//1 3//1\nf 3//2 2//1 4//2\n";
         let loaded = load(text).unwrap();
         let normals = loaded.mesh.normals.unwrap();
         assert_eq!((normals[0], normals[1], normals[3]), (2.0 * DVec3::Z, 2.0 * DVec3::Z, 2.0 * DVec3::X));
@@ -179,9 +182,6 @@ mod tests {
         let base = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2";
         assert!(matches!(load(base), Err(MeshError::Truncated { at: Place::Line(5), .. })));
         let loaded = load(&format!("{base}\n")).unwrap();
-        assert_eq!(
-            loaded.notices,
-            [Notice::SkippedFaces { faces: 1, first: Place::Line(5), corners: 2 }]
-        );
+        assert_eq!(loaded.notices, [Notice::SkippedFaces { faces: 1, first: Place::Line(5), corners: 2 }]);
     }
 }

@@ -194,7 +194,8 @@ mod tests {
         check("OFF 3 1 0 0 0 0 1 0 0 0 1 0 3 0 1 2");
         check("OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2");
         check("# c\n\n  COFF # c\n\n3 1\n0 0 0 1 1 1 1\n1 0 0 0.5\n0 1 0 255 0 0\n3 0 1 2 7\n");
-        let loaded = check("CNOFF\n3 1 0\n0 0 0 0 0 1 9 9 9\n1 0 0 0 0 1 9 9 9\n0 1 0 0 0 1 9 9 9\n3 0 1 2\n");
+        let loaded =
+            check("CNOFF\n3 1 0\n0 0 0 0 0 1 9 9 9\n1 0 0 0 0 1 9 9 9\n0 1 0 0 0 1 9 9 9\n3 0 1 2\n");
         assert_eq!(loaded.mesh.normals, Some(vec![DVec3::Z; 3]));
     }
 

@@ -25,7 +25,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Loaded, MeshError> {
             "face" => faces(element, &mut source, &mut draft)?,
             _ => {
                 if element.count > 0 {
-                    draft.ignore(&format!("element `{}`", element.name), element.count as usize, source.place());
+                    draft.ignore(
+                        &format!("element `{}`", element.name),
+                        element.count as usize,
+                        source.place(),
+                    );
                 }
                 for _ in 0..if element.properties.is_empty() { 0 } else { element.count } {
                     for property in &element.properties {
@@ -91,7 +95,8 @@ fn faces(element: &Element, source: &mut Source<'_>, draft: &mut Draft) -> Resul
     if element.count == 0 {
         return Ok(());
     }
-    let named = |p: &Property| p.list.is_some() && matches!(p.name.as_str(), "vertex_indices" | "vertex_index");
+    let named =
+        |p: &Property| p.list.is_some() && matches!(p.name.as_str(), "vertex_indices" | "vertex_index");
     let Some(indices) = element.properties.iter().position(named) else {
         return Err(element.missing("the list property vertex_indices of `face`"));
     };
@@ -240,7 +245,9 @@ impl Header {
                     let property = property(&mut lexer)?;
                     match elements.last_mut() {
                         Some(element) => element.properties.push(property),
-                        None => return Err(lexer.syntax(b"property", "`element` before the first `property`")),
+                        None => {
+                            return Err(lexer.syntax(b"property", "`element` before the first `property`"));
+                        }
                     }
                 }
                 Some(b"end_header") => break,
@@ -401,7 +408,12 @@ impl<'a> Source<'a> {
         let value = self.number(length)?;
         if !(value >= 0.0 && value.fract() == 0.0) {
             let found = value.to_string();
-            return Err(MeshError::Syntax { format: FORMAT, at: place, found, expected: "the length of a list" });
+            return Err(MeshError::Syntax {
+                format: FORMAT,
+                at: place,
+                found,
+                expected: "the length of a list",
+            });
         }
         self.holds(value as u64, self.least(scalar), "list")?;
         Ok(value as u64)
@@ -476,7 +488,9 @@ mod tests {
     #[test]
     fn errors_name_the_line_of_the_file() {
         let at = |text: &str| match read(text.as_bytes()) {
-            Err(MeshError::Index { at, .. } | MeshError::Syntax { at, .. } | MeshError::NotFinite { at, .. }) => at,
+            Err(
+                MeshError::Index { at, .. } | MeshError::Syntax { at, .. } | MeshError::NotFinite { at, .. },
+            ) => at,
             other => panic!("{other:?}"),
         };
         assert_eq!(at(&ASCII.replace("0 1 2\n", "0 1 3\n")), Place::Line(16));

@@ -32,7 +32,7 @@ pub(super) fn triangulate(corners: &[DVec3]) -> Result<Cut, usize> {
     let Some(outline) = project(corners) else {
         return Ok(Cut { triangles: fan(&(0..corners.len()).collect::<Vec<_>>()), simple: false });
     };
-    let mut ring = Ring::new(corners, outline);
+    let ring = Ring::new(corners, outline);
     let reflex = ring.blockers.len();
     if reflex.saturating_mul(corners.len()) > LIMIT {
         return Err(reflex);
@@ -100,8 +100,7 @@ impl<'a> Ring<'a> {
         let n = self.corners.len();
         // Ears go stale when a neighbour is clipped; the version tells.
         let mut version = vec![0u32; n];
-        let mut ears: BinaryHeap<_> =
-            (0..n).filter_map(|k| Some((self.ear(k)?, Reverse(k), 0))).collect();
+        let mut ears: BinaryHeap<_> = (0..n).filter_map(|k| Some((self.ear(k)?, Reverse(k), 0))).collect();
         let mut triangles = Vec::with_capacity(n - 2);
         let mut last = 0;
         let mut left = n;
@@ -116,8 +115,7 @@ impl<'a> Ring<'a> {
             (self.next[p], self.previous[q]) = (q, p);
             (last, left) = (p, left - 1);
             let (turn_p, turn_q) = (self.turn(p), self.turn(q));
-            self.blockers
-                .retain(|&b| b != k && !(b == p && turn_p > 0.0) && !(b == q && turn_q > 0.0));
+            self.blockers.retain(|&b| b != k && !(b == p && turn_p > 0.0) && !(b == q && turn_q > 0.0));
             for e in [p, q] {
                 version[e] += 1;
                 ears.extend(self.ear(e).map(|quality| (quality, Reverse(e), version[e])));
@@ -213,20 +211,47 @@ mod tests {
         check(&[[0.0, 0.0], [4.0, 1.0], [0.0, 2.0], [1.0, 1.0]]);
         // A comb.
         check(&[
-            [0.0, 0.0], [7.0, 0.0], [7.0, 3.0], [6.0, 1.0], [5.0, 3.0], [4.0, 1.0], [3.0, 3.0], [2.0, 1.0], [1.0, 3.0],
+            [0.0, 0.0],
+            [7.0, 0.0],
+            [7.0, 3.0],
+            [6.0, 1.0],
+            [5.0, 3.0],
+            [4.0, 1.0],
+            [3.0, 3.0],
+            [2.0, 1.0],
+            [1.0, 3.0],
         ]);
     }
 
     #[test]
     fn corners_on_straight_sides_get_no_flat_triangles() {
         check(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0]]);
-        check(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [1.0, 3.0], [0.0, 3.0], [0.0, 1.0]]);
+        check(&[
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [2.0, 0.0],
+            [3.0, 0.0],
+            [3.0, 3.0],
+            [2.0, 3.0],
+            [1.0, 3.0],
+            [0.0, 3.0],
+            [0.0, 1.0],
+        ]);
     }
 
     #[test]
     fn a_bridge_to_a_hole_is_crossed_twice() {
         check(&[
-            [0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0], [0.0, 0.0], [1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0], [1.0, 1.0],
+            [0.0, 0.0],
+            [3.0, 0.0],
+            [3.0, 3.0],
+            [0.0, 3.0],
+            [0.0, 0.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [2.0, 2.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
         ]);
     }
 

@@ -30,7 +30,8 @@ fn claimed_facets(bytes: &[u8]) -> Option<u32> {
 }
 
 fn has_binary_length(bytes: &[u8]) -> bool {
-    claimed_facets(bytes).is_some_and(|n| n > 0 && bytes.len() as u64 == HEADER as u64 + u64::from(n) * FACET as u64)
+    claimed_facets(bytes)
+        .is_some_and(|n| n > 0 && bytes.len() as u64 == HEADER as u64 + u64::from(n) * FACET as u64)
 }
 
 fn is_ascii(bytes: &[u8]) -> bool {
@@ -107,7 +108,12 @@ fn read_binary(bytes: &[u8]) -> Result<Loaded, MeshError> {
                 let value = f32::from_le_bytes(word);
                 if !value.is_finite() {
                     let vertex = 3 * f + k;
-                    return Err(MeshError::NotFinite { format: FORMAT, at, vertex, value: value.to_string() });
+                    return Err(MeshError::NotFinite {
+                        format: FORMAT,
+                        at,
+                        vertex,
+                        value: value.to_string(),
+                    });
                 }
                 *x = f64::from(value);
             }

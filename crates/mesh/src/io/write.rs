@@ -9,7 +9,10 @@ use std::{
 use glam::DVec3;
 
 use super::{MeshFormat, atomic_write};
-use crate::{MeshError, TriMesh};
+use crate::{
+    MeshError, TriMesh,
+    measure::{cross, longest_edge, positive, unit},
+};
 
 /// How to write a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -205,10 +208,10 @@ fn ply_binary(out: &mut dyn Write, mesh: &TriMesh) -> io::Result<()> {
 
 /// The corners of a facet and its unit normal, or zero where it has none.
 fn facet(mesh: &TriMesh, f: usize) -> [DVec3; 4] {
-    let [a, b, c] = mesh.corners(f);
-    let longest = (b - a).abs().max((c - a).abs()).max_element();
-    let normal = ((b - a) / longest).cross((c - a) / longest);
-    [normal.try_normalize().unwrap_or_default(), a, b, c]
+    let corners = mesh.corners(f);
+    let normal = unit(cross(corners, positive(longest_edge(corners)))).unwrap_or_default();
+    let [a, b, c] = corners;
+    [normal, a, b, c]
 }
 
 fn stl_binary(out: &mut dyn Write, mesh: &TriMesh) -> io::Result<()> {
