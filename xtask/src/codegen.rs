@@ -113,3 +113,136 @@ fn n_blend_source(tables: &[NBlend]) -> String {
     out.push_str("        _ => None,\n    }\n}\n");
     out + &body
 }
+
+#[cfg(test)]
+mod printed;
+
+#[cfg(test)]
+mod tests {
+    use std::sync::OnceLock;
+
+    use glam::DVec2;
+    use suture_bernstein::BezierTriangle;
+
+    use super::*;
+
+    fn tables() -> &'static [NBlend] {
+        static TABLES: OnceLock<Vec<NBlend>> = OnceLock::new();
+        TABLES.get_or_init(|| SIZES.map(|n| NBlend::new(n).unwrap()).collect())
+    }
+
+    fn table(n: usize) -> &'static NBlend {
+        &tables()[n - SIZES.start()]
+    }
+
+    #[test]
+    fn the_printed_coefficients_are_met() {
+        let mut compared = 0;
+        for (n, triangle, coefficients) in printed::PRINTED {
+            let nets = table(n).rounded();
+            for &(i, j, k, want) in coefficients {
+                let q = net::at([i, j, k]);
+                let got = nets[triangle - 1][q];
+                assert!((got - want).abs() < 5e-10, "h^{{{n},{triangle}}}_{i}{j}{k} = {got}, printed {want}");
+                // The rest of the appendix says which triangles mirror which; A.2.2 misprints the second line, whose left side
+                // is h^{4,4}.
+                assert_eq!(nets[n - triangle][net::at([j, i, k])], got);
+                compared += 1;
+            }
+        }
+        assert_eq!(compared, 142);
+    }
+
+    #[test]
+    fn the_energies_are_those_of_the_paper_s_minimum() {
+        for (n, want) in [(3, 18.8474234), (4, 20.7703816), (5, 23.8869567), (6, 26.9265741)] {
+            let got = table(n).energy();
+            assert!((got - want).abs() < 1e-7 * want, "N = {n}: {got} ≠ {want}");
+        }
+        let freedom: Vec<usize> = tables().iter().map(|h| h.freedom).collect();
+        assert_eq!(freedom, [3, 5, 4, 5, 5, 6]);
+    }
+
+    #[test]
+    fn every_condition_holds_exactly_and_a_changed_coefficient_is_noticed() {
+        for h in tables() {
+            prove::prove(h).unwrap();
+        }
+        for (q, condition) in
+            [([7, 0, 0], "(H16)"), ([3, 3, 1], "(H17)"), ([3, 2, 2], "(H18)"), ([1, 1, 5], "inner edge")]
+        {
+            let mut h = NBlend::new(3).unwrap();
+            let entry = &mut h.nets[1][net::at(q)];
+            *entry = &*entry + &h.field.ratio(1, i64::MAX);
+            let message = prove::prove(&h).unwrap_err();
+            assert!(message.contains(condition), "{q:?}: {message}");
+        }
+    }
+
+    /// The rounded nets, evaluated in the plane by the library that will evaluate them.
+    #[test]
+    fn the_evaluated_blend_is_c2_and_one_with_its_copies() {
+        for h in tables() {
+            let n = h.field.n();
+            let angle = |corner: usize| std::f64::consts::TAU * corner as f64 / n as f64;
+            let radius = 0.5 / (std::f64::consts::PI / n as f64).sin();
+            let corner = |a: usize| radius * DVec2::new(-angle(a).sin(), angle(a).cos());
+            let triangles: Vec<_> =
+                h.rounded().into_iter().map(|net| BezierTriangle::new(net::DEGREE, net).unwrap()).collect();
+            let jet = |t: usize, at: DVec2| triangles[t % n].jet([corner(t), corner(t + 1), DVec2::ZERO], at);
+            for step in 0..=10 {
+                let along = f64::from(step) / 10.0;
+                for t in 0..n {
+                    let at = corner(t + 1) * along;
+                    let jump = jet(t, at).add(jet(t + 1, at).map(|x| -x));
+                    for x in [jump.p, jump.du, jump.dv, jump.duu, jump.duv, jump.dvv] {
+                        assert!(x.abs() < 1e-11, "N = {n}, edge {t}, {along}: {jump:?}");
+                    }
+                }
+                let at = corner(0).lerp(corner(1), along) * 0.8;
+                let sum: f64 = (0..n).map(|i| jet(n - i, DVec2::from_angle(-angle(i)).rotate(at)).p).sum();
+                assert!((sum - 1.0).abs() < 1e-14, "N = {n}: {sum}");
+            }
+        }
+    }
+
+    /// The energy again, from the evaluated Hessians.
+    #[test]
+    fn the_energy_is_the_integral_of_the_evaluated_hessians() {
+        let h = table(5);
+        let n = h.field.n();
+        let apothem = 0.5 / (std::f64::consts::PI / n as f64).tan();
+        let corners = [DVec2::new(-0.5, apothem), DVec2::new(0.5, apothem), DVec2::ZERO];
+        let triangles: Vec<_> =
+            h.rounded().into_iter().map(|net| BezierTriangle::new(net::DEGREE, net).unwrap()).collect();
+        // The energy does not notice that the triangles are evaluated in the place of the first one.
+        let density = |at: DVec2| -> f64 {
+            let jets = triangles.iter().map(|t| t.jet(corners, at));
+            jets.map(|j| j.duu * j.duu + 2.0 * j.duv * j.duv + j.dvv * j.dvv).sum()
+        };
+        // Midpoints of the edges of each of the m² congruent triangles: error O(m⁻⁴) for a smooth integrand.
+        let integral = |m: usize| {
+            let point = |a: f64, b: f64| {
+                corners[2] + ((corners[0] - corners[2]) * a + (corners[1] - corners[2]) * b) / m as f64
+            };
+            let mut sum = 0.0;
+            for a in 0..m {
+                for b in 0..m - a {
+                    let (a, b) = (a as f64, b as f64);
+                    for (x, y) in [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)] {
+                        sum += density(point(a + x, b + y));
+                    }
+                    if a + b + 2.0 <= m as f64 {
+                        for (x, y) in [(0.5, 1.0), (1.0, 0.5), (0.5, 0.5)] {
+                            sum += density(point(a + x, b + y));
+                        }
+                    }
+                }
+            }
+            sum * apothem / 2.0 / (3 * m * m) as f64
+        };
+        let (coarse, fine) = (integral(16), integral(32));
+        let extrapolated = fine + (fine - coarse) / 15.0;
+        assert!((extrapolated - h.energy()).abs() < 1e-5 * h.energy(), "{extrapolated} ≠ {}", h.energy());
+    }
+}

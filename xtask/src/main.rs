@@ -1,6 +1,9 @@
 //! Maintenance commands: `cargo xtask codegen`, `cargo xtask ci`, `cargo xtask oracle`.
 
+mod ci;
 mod codegen;
+mod oracle;
+mod step;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -23,6 +26,10 @@ enum Command {
         #[arg(long)]
         check: bool,
     },
+    /// Runs every check that needs nothing but Rust.
+    Ci,
+    /// Compares results with libigl, SciPy and trimesh (needs Python 3.11 and, the first time, a package registry).
+    Oracle,
 }
 
 fn main() -> ExitCode {
@@ -30,6 +37,8 @@ fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     let result = match Arguments::parse().command {
         Command::Codegen { check } => codegen::run(root, check),
+        Command::Ci => ci::all(root),
+        Command::Oracle => oracle::run_checks(root),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -152,62 +152,75 @@ fn minimise(field: &'static Field, solutions: &Solutions) -> Result<NBlend, Stri
         }
         h.iter_mut().zip(column).for_each(|(h, d)| *h = &*h + &(&amount.constant * d));
     }
-    let energy = dot(&apply(&matrix, &h), &h);
+    let energy = &dot(&apply(&matrix, &h), &h) * &energy_scale(field);
     let nets = h.chunks(COUNT).map(<[Elem]>::to_vec).collect();
     Ok(NBlend { field, nets, freedom: free.len(), energy })
 }
 
-/// The energy of one triangle, divided by its area, as a quadratic form in its coefficients.
+/// The energy of one triangle as a quadratic form in its coefficients, divided by its area and by [`energy_scale`], which
+/// leaves algebraic integers: the exact products with it stay short.
 ///
 /// With `g_d` the gradients of the barycentric coordinates the Hessian is `Σ n(n−1) B_q b(q + e_d + e_e) g_d g_eᵀ`, and the
 /// energy the integral of its squared Frobenius norm.
 fn energy_matrix(field: &'static Field) -> Vec<Vec<Elem>> {
     let gradients = gradient_products(field);
-    let low = DEGREE - 2;
-    let factorial = |m: usize| (1..=m as i64).product::<i64>();
-    let scale = (DEGREE * (DEGREE - 1)) as i64;
+    let hessians: Vec<_> = pairs()
+        .flat_map(|(d, e)| pairs().map(move |(f, g)| [d, e, f, g]))
+        .map(|[d, e, f, g]| ([d, e], [f, g], &gradients[d][f] * &gradients[e][g]))
+        .collect();
     let mut matrix = vec![vec![field.int(0); COUNT]; COUNT];
-    for q in indices(low) {
-        for p in indices(low) {
-            // ∫ B_q B_p / area = 2 m!² / (2m + 2)! · Π (q_d + p_d)! / (q_d! p_d!).
+    for q in indices(DEGREE - 2) {
+        for p in indices(DEGREE - 2) {
+            // ∫ B_q B_p is proportional to Π (q_d + p_d)! / (q_d! p_d!).
             let numer: i64 = (0..3).map(|d| factorial(q[d] + p[d])).product();
             let denom: i64 = (0..3).map(|d| factorial(q[d]) * factorial(p[d])).product();
-            let product = &field.ratio(2 * factorial(low) * factorial(low), factorial(2 * low + 2))
-                * &field.ratio(numer * scale * scale, denom);
-            for (d, e) in pairs() {
-                for (f, g) in pairs() {
-                    let entry = &mut matrix[at(raise(raise(q, d), e))][at(raise(raise(p, f), g))];
-                    *entry = &*entry + &(&product * &(&gradients[d][f] * &gradients[e][g]));
-                }
+            let product = field.int(numer / denom);
+            for ([d, e], [f, g], hessian) in &hessians {
+                let entry = &mut matrix[at(raise(raise(q, *d), *e))][at(raise(raise(p, *f), *g))];
+                *entry = &*entry + &(&product * hessian);
             }
         }
     }
     matrix
 }
 
-/// The products `g_d · g_e` of the gradients of the barycentric coordinates of a triangle `(R^α, R^{α+1}, O)`.
-fn gradient_products(field: &'static Field) -> [[Elem; 3]; 3] {
+/// What [`energy_matrix`] leaves out: `(n(n−1))² · 2 m!² / (2m + 2)!`, `m = n − 2`, from the integrals of the products of
+/// Bernstein polynomials over a triangle of area 1, and the square of the factor of [`gradient_products`].
+fn energy_scale(field: &'static Field) -> Elem {
+    let (n, m) = (DEGREE, DEGREE - 2);
+    let integrals =
+        field.ratio(2 * factorial(m) * factorial(m) * ((n * (n - 1)) as i64).pow(2), factorial(2 * m + 2));
     // A gradient is the opposite edge, turned by a right angle, over twice the area; twice the area is the apothem.
-    let scale = apothem_squared(field).inverse().unwrap_or_else(|| field.int(0));
-    let radius = circumradius_squared(field);
-    let half = field.ratio(1, 2);
-    // Edges OR^{α+1}, R^αO and R^{α+1}R^α as combinations of OR^α and OR^{α+1}, whose products are radius · (1, c/2, 1).
+    let gradients = &(&circumradius_squared(field) * &field.ratio(1, 2)) * &inverse(&apothem_squared(field));
+    &integrals * &(&gradients * &gradients)
+}
+
+/// The products `g_d · g_e` of the gradients of the barycentric coordinates of a triangle `(R^α, R^{α+1}, O)`, times
+/// `2 apothem² / circumradius²`.
+fn gradient_products(field: &'static Field) -> [[Elem; 3]; 3] {
+    // Edges OR^{α+1}, R^αO and R^{α+1}R^α as combinations of OR^α and OR^{α+1}, whose products are to (2, c, 2).
     let edges = [[0, 1], [-1, 0], [1, -1]];
-    let mixed = &half * &field.c();
     std::array::from_fn(|d| {
         std::array::from_fn(|e| {
             let (a, b) = (edges[d], edges[e]);
-            let same = field.int(a[0] * b[0] + a[1] * b[1]);
-            let cross = &field.int(a[0] * b[1] + a[1] * b[0]) * &mixed;
-            &(&scale * &radius) * &(&same + &cross)
+            let cross = &field.int(a[0] * b[1] + a[1] * b[0]) * &field.c();
+            &field.int(2 * (a[0] * b[0] + a[1] * b[1])) + &cross
         })
     })
 }
 
 /// `1 / (4 sin²(π/N)) = 1 / (2 − c)`.
 fn circumradius_squared(field: &'static Field) -> Elem {
-    // c < 2, so that the reciprocal exists.
-    (&field.int(2) - &field.c()).inverse().unwrap_or_else(|| field.int(0))
+    inverse(&(&field.int(2) - &field.c()))
+}
+
+/// The reciprocal of a number of which the geometry says that it is not zero.
+fn inverse(x: &Elem) -> Elem {
+    x.inverse().expect("lengths of a regular polygon are positive")
+}
+
+fn factorial(m: usize) -> i64 {
+    (1..=m as i64).product()
 }
 
 fn apothem_squared(field: &'static Field) -> Elem {
