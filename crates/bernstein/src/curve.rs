@@ -1,10 +1,14 @@
 //! Curves: Bézier and B-spline.
 
-use crate::{MAX_DEGREE, NetError, Vector, bernstein, bspline};
+use crate::{MAX_DEGREE, NetError, SMALL, Vector, bernstein, bspline};
 
 /// A Bézier curve on `[0, 1]`; its degree is the number of its control points less one.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "RawBezier<T>", bound(deserialize = "T: Vector + serde::Deserialize<'de>"))
+)]
 pub struct BezierCurve<T> {
     net: Vec<T>,
 }
@@ -25,6 +29,11 @@ impl<T: Vector> BezierCurve<T> {
         Ok(Self { net })
     }
 
+    /// A curve from a net that is known to be good: finite, of an allowed degree.
+    pub(crate) fn from_checked(net: Vec<T>) -> Self {
+        Self { net }
+    }
+
     /// The polynomial degree.
     pub fn degree(&self) -> usize {
         self.net.len() - 1
@@ -35,9 +44,20 @@ impl<T: Vector> BezierCurve<T> {
         &self.net
     }
 
-    /// Value and derivatives to order `D − 1` at `t`.
+    /// Value and derivatives to order `D − 1` at `t`. The ends of the net are interpolated to the bit.
     pub fn jet<const D: usize>(&self, t: f64) -> [T; D] {
-        let mut basis = [[0.0; D]; MAX_DEGREE + 1];
+        if self.degree() < SMALL { self.jet_sized::<D, SMALL>(t) } else { self.jet_sized::<D, LARGE>(t) }
+    }
+
+    /// Value at `t`, to the bit the one of [`jet`](Self::jet).
+    pub fn point(&self, t: f64) -> T {
+        let [p] = self.jet(t);
+        p
+    }
+
+    #[inline]
+    fn jet_sized<const D: usize, const N: usize>(&self, t: f64) -> [T; D] {
+        let mut basis = [[0.0; D]; N];
         bernstein::jets(self.degree(), t, &mut basis);
         combine(&self.net, &basis)
     }
@@ -46,6 +66,10 @@ impl<T: Vector> BezierCurve<T> {
 /// A B-spline curve.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "RawSpline<T>", bound(deserialize = "T: Vector + serde::Deserialize<'de>"))
+)]
 pub struct BSplineCurve<T> {
     degree: usize,
     knots: Vec<f64>,
@@ -83,14 +107,28 @@ impl<T: Vector> BSplineCurve<T> {
         [self.knots[self.degree], self.knots[self.net.len()]]
     }
 
-    /// Value and derivatives to order `D − 1` at `t`.
+    /// Value and derivatives to order `D − 1` at `t`; at a knot those of the piece above it, at the end of the domain of the
+    /// piece below. Clamped ends are interpolated to the bit.
     pub fn jet<const D: usize>(&self, t: f64) -> [T; D] {
-        let mut basis = [[0.0; D]; MAX_DEGREE + 1];
+        if self.degree < SMALL { self.jet_sized::<D, SMALL>(t) } else { self.jet_sized::<D, LARGE>(t) }
+    }
+
+    /// Value at `t`, to the bit the one of [`jet`](Self::jet).
+    pub fn point(&self, t: f64) -> T {
+        let [p] = self.jet(t);
+        p
+    }
+
+    #[inline]
+    fn jet_sized<const D: usize, const N: usize>(&self, t: f64) -> [T; D] {
+        let mut basis = [[0.0; D]; N];
         let span = bspline::span(self.degree, &self.knots, t);
         bspline::jets(self.degree, &self.knots, span, t, &mut basis);
         combine(&self.net[span - self.degree..=span], &basis)
     }
 }
+
+const LARGE: usize = MAX_DEGREE + 1;
 
 pub(crate) fn check_finite<T: Vector>(net: &[T]) -> Result<(), NetError> {
     match net.iter().position(|p| !p.finite()) {
@@ -107,4 +145,38 @@ fn combine<T: Vector, const D: usize>(net: &[T], basis: &[[f64; D]]) -> [T; D] {
         }
     }
     out
+}
+
+/// What is read before it is checked.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct RawBezier<T> {
+    net: Vec<T>,
+}
+
+#[cfg(feature = "serde")]
+impl<T: Vector> TryFrom<RawBezier<T>> for BezierCurve<T> {
+    type Error = NetError;
+
+    fn try_from(raw: RawBezier<T>) -> Result<Self, NetError> {
+        Self::new(raw.net)
+    }
+}
+
+/// What is read before it is checked.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct RawSpline<T> {
+    degree: usize,
+    knots: Vec<f64>,
+    net: Vec<T>,
+}
+
+#[cfg(feature = "serde")]
+impl<T: Vector> TryFrom<RawSpline<T>> for BSplineCurve<T> {
+    type Error = NetError;
+
+    fn try_from(raw: RawSpline<T>) -> Result<Self, NetError> {
+        Self::new(raw.degree, raw.knots, raw.net)
+    }
 }

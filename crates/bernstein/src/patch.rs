@@ -3,11 +3,15 @@
 use glam::DVec2;
 
 use crate::curve::check_finite;
-use crate::{Jet2, MAX_DEGREE, NetError, Vector, bernstein, bspline};
+use crate::{Jet2, MAX_DEGREE, NetError, SMALL, Vector, bernstein, bspline};
 
 /// A tensor-product Bézier patch on `[0, 1]²`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "RawPatch<T>", bound(deserialize = "T: Vector + serde::Deserialize<'de>"))
+)]
 pub struct BezierPatch<T> {
     degree: [usize; 2],
     net: Vec<T>,
@@ -30,9 +34,19 @@ impl<T: Vector> BezierPatch<T> {
         Ok(Self { degree, net })
     }
 
+    /// A patch from a net that is known to be good: finite, of allowed degrees and the right size.
+    pub(crate) fn from_checked(degree: [usize; 2], net: Vec<T>) -> Self {
+        Self { degree, net }
+    }
+
     /// Degrees in `u` and `v`.
     pub fn degree(&self) -> [usize; 2] {
         self.degree
+    }
+
+    /// Number of control points in `u` and `v`.
+    pub fn count(&self) -> [usize; 2] {
+        self.degree.map(|d| d + 1)
     }
 
     /// The control points, second index fastest.
@@ -40,18 +54,44 @@ impl<T: Vector> BezierPatch<T> {
         &self.net
     }
 
-    /// Value and partials to second order.
+    /// Value and partials to second order. The corners of the net are interpolated to the bit.
     pub fn jet(&self, at: DVec2) -> Jet2<T> {
-        let (mut bu, mut bv) = ([[0.0; 3]; MAX_DEGREE + 1], [[0.0; 3]; MAX_DEGREE + 1]);
-        bernstein::jets(self.degree[0], at.x, &mut bu);
-        bernstein::jets(self.degree[1], at.y, &mut bv);
-        combine(&self.net, self.degree[1] + 1, &bu[..=self.degree[0]], &bv[..=self.degree[1]])
+        // Constant degrees unroll; these are the ones that strips and bicubic pieces have.
+        match self.degree {
+            [3, 3] => self.jet_sized::<4>([3, 3], at),
+            [5, 1] => self.jet_sized::<6>([5, 1], at),
+            [5, 2] => self.jet_sized::<6>([5, 2], at),
+            [5, 3] => self.jet_sized::<6>([5, 3], at),
+            [p, q] if p.max(q) < SMALL => self.jet_sized::<SMALL>([p, q], at),
+            degree => self.jet_sized::<LARGE>(degree, at),
+        }
+    }
+
+    /// Value, to the bit the one of [`jet`](Self::jet).
+    pub fn point(&self, at: DVec2) -> T {
+        let (mut bu, mut bv) = ([[0.0]; LARGE], [[0.0]; LARGE]);
+        let [p, q] = self.degree;
+        bernstein::jets(p, at.x, &mut bu);
+        bernstein::jets(q, at.y, &mut bv);
+        combine_values(&self.net, q + 1, &bu[..=p], &bv[..=q])
+    }
+
+    #[inline(always)]
+    fn jet_sized<const N: usize>(&self, [p, q]: [usize; 2], at: DVec2) -> Jet2<T> {
+        let (mut bu, mut bv) = ([[0.0; 3]; N], [[0.0; 3]; N]);
+        bernstein::jets(p, at.x, &mut bu);
+        bernstein::jets(q, at.y, &mut bv);
+        combine(&self.net, q + 1, &bu[..=p], &bv[..=q])
     }
 }
 
 /// A tensor-product B-spline surface.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "RawSurface<T>", bound(deserialize = "T: Vector + serde::Deserialize<'de>"))
+)]
 pub struct BSplineSurface<T> {
     degree: [usize; 2],
     knots: [Vec<f64>; 2],
@@ -65,16 +105,50 @@ impl<T: Vector> BSplineSurface<T> {
     /// # Errors
     /// [`NetError::Degree`], [`NetError::Count`], [`NetError::Knots`], [`NetError::NotFinite`].
     pub fn new(degree: [usize; 2], knots: [Vec<f64>; 2], net: Vec<T>) -> Result<Self, NetError> {
-        let count = |d: usize| knots[d].len().saturating_sub(degree[d] + 1);
+        let count = |d: usize| knots[d].len().saturating_sub(degree[d]).saturating_sub(1);
         for d in 0..2 {
             bspline::check(degree[d], count(d), &knots[d])?;
         }
-        let needed = count(0) * count(1);
+        let needed = count(0).saturating_mul(count(1));
         if net.len() != needed {
             return Err(NetError::Count { given: net.len(), needed });
         }
         check_finite(&net)?;
         Ok(Self { degree, knots, net })
+    }
+
+    /// A surface over uniform knots, not clamped: its domain is `cells[0] × cells[1]` cells of size `cell` with the lower corner
+    /// at `origin`; `net` holds `(cells[0] + degree[0]) × (cells[1] + degree[1])` control points, second index fastest.
+    ///
+    /// Knot `i` is `origin + (i − degree) cell`, one product and one sum: equal input gives equal bits.
+    ///
+    /// # Errors
+    /// [`NetError::Degree`], [`NetError::Count`], [`NetError::NotFinite`]; [`NetError::Knots`] when `cells` has a zero, when
+    /// `cell` is not positive, or when it is lost in the rounding of `origin`.
+    pub fn uniform(
+        degree: [usize; 2],
+        origin: DVec2,
+        cell: DVec2,
+        cells: [usize; 2],
+        net: Vec<T>,
+    ) -> Result<Self, NetError> {
+        if let Some(&degree) = degree.iter().find(|&&d| d > MAX_DEGREE) {
+            return Err(NetError::Degree { degree });
+        }
+        // Counted before the knots are made: a number of cells that memory cannot hold must fail here.
+        let count = [0, 1].map(|d| cells[d].saturating_add(degree[d]));
+        let needed = count[0].saturating_mul(count[1]);
+        if net.len() != needed {
+            return Err(NetError::Count { given: net.len(), needed });
+        }
+        if let Some(d) = (0..2).find(|&d| cells[d] == 0) {
+            return Err(NetError::Knots { index: degree[d] });
+        }
+        let knots = [0, 1].map(|d| {
+            let knot = |i: usize| origin[d] + (i as f64 - degree[d] as f64) * cell[d];
+            (0..=count[d] + degree[d]).map(knot).collect()
+        });
+        Self::new(degree, knots, net)
     }
 
     /// Degrees in `u` and `v`.
@@ -107,20 +181,45 @@ impl<T: Vector> BSplineSurface<T> {
         ]
     }
 
-    /// Value and partials to second order.
+    /// Value and partials to second order; on a knot line those of the piece above it, at the upper end of the domain of the
+    /// piece below. Clamped corners are interpolated to the bit.
     pub fn jet(&self, at: DVec2) -> Jet2<T> {
-        let (mut bu, mut bv) = ([[0.0; 3]; MAX_DEGREE + 1], [[0.0; 3]; MAX_DEGREE + 1]);
+        match self.degree {
+            // Constant degrees unroll.
+            [3, 3] => self.jet_sized::<4>([3, 3], at),
+            [p, q] if p.max(q) < SMALL => self.jet_sized::<SMALL>([p, q], at),
+            degree => self.jet_sized::<LARGE>(degree, at),
+        }
+    }
+
+    /// Value, to the bit the one of [`jet`](Self::jet).
+    pub fn point(&self, at: DVec2) -> T {
+        let (mut bu, mut bv) = ([[0.0]; LARGE], [[0.0]; LARGE]);
         let [p, q] = self.degree;
         let i = bspline::span(p, &self.knots[0], at.x);
         let j = bspline::span(q, &self.knots[1], at.y);
         bspline::jets(p, &self.knots[0], i, at.x, &mut bu);
         bspline::jets(q, &self.knots[1], j, at.y, &mut bv);
         let columns = self.count()[1];
+        combine_values(&self.net[(i - p) * columns + j - q..], columns, &bu[..=p], &bv[..=q])
+    }
+
+    #[inline(always)]
+    fn jet_sized<const N: usize>(&self, [p, q]: [usize; 2], at: DVec2) -> Jet2<T> {
+        let (mut bu, mut bv) = ([[0.0; 3]; N], [[0.0; 3]; N]);
+        let i = bspline::span(p, &self.knots[0], at.x);
+        let j = bspline::span(q, &self.knots[1], at.y);
+        bspline::jets(p, &self.knots[0], i, at.x, &mut bu);
+        bspline::jets(q, &self.knots[1], j, at.y, &mut bv);
+        let columns = self.knots[1].len() - q - 1;
         combine(&self.net[(i - p) * columns + j - q..], columns, &bu[..=p], &bv[..=q])
     }
 }
 
+const LARGE: usize = MAX_DEGREE + 1;
+
 /// Sums the net (rows `columns` apart) against both bases.
+#[inline(always)]
 fn combine<T: Vector>(net: &[T], columns: usize, bu: &[[f64; 3]], bv: &[[f64; 3]]) -> Jet2<T> {
     let mut jet = Jet2::default();
     for (i, u) in bu.iter().enumerate() {
@@ -139,4 +238,50 @@ fn combine<T: Vector>(net: &[T], columns: usize, bu: &[[f64; 3]], bv: &[[f64; 3]
         jet.dvv = jet.dvv + rvv * u[0];
     }
     jet
+}
+
+/// [`combine`] for the value alone, in the same order of operations.
+fn combine_values<T: Vector>(net: &[T], columns: usize, bu: &[[f64; 1]], bv: &[[f64; 1]]) -> T {
+    let mut p = T::default();
+    for (i, u) in bu.iter().enumerate() {
+        let row = &net[i * columns..i * columns + bv.len()];
+        let r = row.iter().zip(bv).fold(T::default(), |r, (&p, v)| r + p * v[0]);
+        p = p + r * u[0];
+    }
+    p
+}
+
+/// What is read before it is checked.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct RawPatch<T> {
+    degree: [usize; 2],
+    net: Vec<T>,
+}
+
+#[cfg(feature = "serde")]
+impl<T: Vector> TryFrom<RawPatch<T>> for BezierPatch<T> {
+    type Error = NetError;
+
+    fn try_from(raw: RawPatch<T>) -> Result<Self, NetError> {
+        Self::new(raw.degree, raw.net)
+    }
+}
+
+/// What is read before it is checked.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct RawSurface<T> {
+    degree: [usize; 2],
+    knots: [Vec<f64>; 2],
+    net: Vec<T>,
+}
+
+#[cfg(feature = "serde")]
+impl<T: Vector> TryFrom<RawSurface<T>> for BSplineSurface<T> {
+    type Error = NetError;
+
+    fn try_from(raw: RawSurface<T>) -> Result<Self, NetError> {
+        Self::new(raw.degree, raw.knots, raw.net)
+    }
 }

@@ -1,14 +1,20 @@
 //! Bézier triangles.
 
-use crate::curve::check_finite;
-use crate::{Jet2, MAX_DEGREE, NetError, Vector};
 use glam::DVec2;
+
+use crate::bernstein::binomial;
+use crate::curve::check_finite;
+use crate::{Jet2, MAX_DEGREE, NetError, SMALL, Vector};
 
 /// A Bézier triangle `Σ B_ijk^n(ρ, σ, τ) b_ijk`, `B_ijk^n = n!/(i! j! k!) ρⁱ σʲ τᵏ`, over barycentric coordinates.
 ///
 /// The net is stored by rows of constant `k`, `j` rising within a row: `b_{n,0,0}, b_{n−1,1,0}, …, b_{0,n,0}, b_{n−1,0,1}, …, b_{0,0,n}`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "RawTriangle<T>", bound(deserialize = "T: Vector + serde::Deserialize<'de>"))
+)]
 pub struct BezierTriangle<T> {
     degree: usize,
     net: Vec<T>,
@@ -43,11 +49,21 @@ impl<T: Vector> BezierTriangle<T> {
 
     /// Position of `b_ijk` in the net, `i = n − j − k`.
     pub fn index(degree: usize, j: usize, k: usize) -> usize {
-        k * (degree + 1) - k * k.saturating_sub(1) / 2 + j
+        index(degree, j, k)
+    }
+
+    /// Value at barycentric coordinates `at` (of sum 1). The corners of the net are interpolated to the bit.
+    pub fn point(&self, at: [f64; 3]) -> T {
+        let [p] = if self.degree < SMALL {
+            self.polar::<SMALL, 1>(0, at)
+        } else {
+            self.polar::<{ MAX_DEGREE + 1 }, 1>(0, at)
+        };
+        p
     }
 
     /// Value and partials to second order with respect to plane coordinates `(U, V)` in which the corners of the triangle
-    /// (`i`, `j`, `k` = `n` in this order) lie at `corners`.
+    /// (`i`, `j`, `k` = `n` in this order) lie at `corners`. Not finite when the corners lie on a line.
     pub fn jet(&self, corners: [DVec2; 3], at: DVec2) -> Jet2<T> {
         // Gradients of the barycentric coordinates in (U, V).
         let [r, s, t] = corners;
@@ -59,47 +75,103 @@ impl<T: Vector> BezierTriangle<T> {
             (t - at).perp_dot(r - at) / area,
             (r - at).perp_dot(s - at) / area,
         ];
+        let (gu, gv) = (g.map(|g| g.x), g.map(|g| g.y));
         let n = self.degree;
-        // The three corner values of the net at two, one and no steps before the end of de Casteljau's algorithm are the
-        // second, first and zeroth polar forms.
-        let mut work = [T::default(); (MAX_DEGREE + 1) * (MAX_DEGREE + 2) / 2];
-        work[..self.net.len()].copy_from_slice(&self.net);
-        let step = |work: &mut [T], m: usize| {
-            for k in 0..m {
-                for j in 0..m - k {
-                    let (a, b) = (Self::index(m, j, k), Self::index(m, j + 1, k));
-                    let c = Self::index(m, j, k + 1);
-                    // Row-major writes of the smaller net never overtake the reads.
-                    work[Self::index(m - 1, j, k)] = work[a] * w[0] + work[b] * w[1] + work[c] * w[2];
+        match n {
+            0 => Jet2::constant(self.net[0]),
+            1 => {
+                let c = [self.net[0], self.net[1], self.net[2]];
+                Jet2 { p: along(c, w), du: along(c, gu), dv: along(c, gv), ..Jet2::default() }
+            }
+            _ => {
+                let q = match n {
+                    // Constant degrees unroll; this is the one that the weights of N-blends have.
+                    7 => self.polar_of::<SMALL, 6>(7, 2, w),
+                    _ if n < SMALL => self.polar::<SMALL, 6>(2, w),
+                    _ => self.polar::<{ MAX_DEGREE + 1 }, 6>(2, w),
+                };
+                quadratic(n, q, w, gu, gv)
+            }
+        }
+    }
+
+    /// The net of `rest` degrees (`M` control points) that remains after `degree − rest` steps of de Casteljau's algorithm.
+    #[inline]
+    fn polar<const N: usize, const M: usize>(&self, rest: usize, w: [f64; 3]) -> [T; M] {
+        self.polar_of::<N, M>(self.degree, rest, w)
+    }
+
+    /// By the basis of degree `m = n − rest`, `C(m, k) τᵏ · C(m − k, j) σʲ ρⁱ`, rather than step by step: `O(n²)`, and exact
+    /// where a coordinate is 0 or 1.
+    #[inline(always)]
+    fn polar_of<const N: usize, const M: usize>(&self, n: usize, rest: usize, w: [f64; 3]) -> [T; M] {
+        let m = n - rest;
+        let powers = w.map(|x| {
+            let mut powers = [1.0; N];
+            for e in 1..=m {
+                powers[e] = powers[e - 1] * x;
+            }
+            powers
+        });
+        let mut out = [T::default(); M];
+        for k in 0..=m {
+            let ck = binomial(m, k) * powers[2][k];
+            for j in 0..=m - k {
+                let b = ck * binomial(m - k, j) * (powers[1][j] * powers[0][m - k - j]);
+                let mut entry = 0;
+                for dk in 0..=rest {
+                    for dj in 0..=rest - dk {
+                        out[entry] = out[entry] + self.net[index(n, j + dj, k + dk)] * b;
+                        entry += 1;
+                    }
                 }
             }
-        };
-        let mut jet = Jet2::default();
-        for m in (3..=n).rev() {
-            step(&mut work, m);
         }
-        let along = |c: [T; 3], d: [f64; 3]| c[0] * d[0] + c[1] * d[1] + c[2] * d[2];
-        let (gu, gv) = (g.map(|g| g.x), g.map(|g| g.y));
-        if n >= 2 {
-            let f = (n * (n - 1)) as f64;
-            let row = |d: [f64; 3]| {
-                // Net of degree 2: b200, b110, b020, b101, b011, b002.
-                let q = &work[..6];
-                [along([q[0], q[1], q[3]], d), along([q[1], q[2], q[4]], d), along([q[3], q[4], q[5]], d)]
-            };
-            let (ru, rv) = (row(gu), row(gv));
-            jet.duu = along(ru, gu) * f;
-            jet.duv = along(ru, gv) * f;
-            jet.dvv = along(rv, gv) * f;
-            step(&mut work, 2);
-        }
-        if n >= 1 {
-            let c = [work[0], work[1], work[2]];
-            jet.du = along(c, gu) * n as f64;
-            jet.dv = along(c, gv) * n as f64;
-            step(&mut work, 1);
-        }
-        jet.p = work[0];
-        jet
+        out
+    }
+}
+
+/// Position of `b_ijk` in a net of `degree`.
+pub(crate) fn index(degree: usize, j: usize, k: usize) -> usize {
+    k * (degree + 1) - k * k.saturating_sub(1) / 2 + j
+}
+
+fn along<T: Vector>(c: [T; 3], d: [f64; 3]) -> T {
+    c[0] * d[0] + c[1] * d[1] + c[2] * d[2]
+}
+
+/// The jet of a triangle of degree `n` from the six control points that remain two steps before the end of de Casteljau's
+/// algorithm: their polar forms along the gradients are its derivatives.
+fn quadratic<T: Vector>(n: usize, q: [T; 6], w: [f64; 3], gu: [f64; 3], gv: [f64; 3]) -> Jet2<T> {
+    // Net of degree 2: b200, b110, b020, b101, b011, b002.
+    let row = |d: [f64; 3]| {
+        [along([q[0], q[1], q[3]], d), along([q[1], q[2], q[4]], d), along([q[3], q[4], q[5]], d)]
+    };
+    let (line, ru, rv) = (row(w), row(gu), row(gv));
+    let (first, second) = (n as f64, (n * (n - 1)) as f64);
+    Jet2 {
+        p: along(line, w),
+        du: along(line, gu) * first,
+        dv: along(line, gv) * first,
+        duu: along(ru, gu) * second,
+        duv: along(ru, gv) * second,
+        dvv: along(rv, gv) * second,
+    }
+}
+
+/// What is read before it is checked.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct RawTriangle<T> {
+    degree: usize,
+    net: Vec<T>,
+}
+
+#[cfg(feature = "serde")]
+impl<T: Vector> TryFrom<RawTriangle<T>> for BezierTriangle<T> {
+    type Error = NetError;
+
+    fn try_from(raw: RawTriangle<T>) -> Result<Self, NetError> {
+        Self::new(raw.degree, raw.net)
     }
 }
