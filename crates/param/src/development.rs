@@ -239,7 +239,6 @@ impl<'a> Development<'a> {
 
     /// Rule 2 for copy `c` and its two neighbours in the class.
     fn glue(&mut self, c: u32, root: usize) {
-        let f = self.copies[c as usize];
         let h = self.leaving(c, root);
         for (forward, crossed) in [(true, self.topology.prev(h)), (false, h)] {
             let Some(o) = self.topology.opposite(crossed) else { continue };

@@ -192,11 +192,8 @@ fn extract(
     check_valence(topology, &vertices, &faces, &boundary)?;
     let distance = distances(&positions, &faces, segment);
     let open = development.open();
-    let reach = boundary
-        .iter()
-        .filter(|&&v| open[v as usize])
-        .map(|&v| distance[v as usize])
-        .reduce(f64::min);
+    let reach =
+        boundary.iter().filter(|&&v| open[v as usize]).map(|&v| distance[v as usize]).reduce(f64::min);
     Ok(Disc { vertices, positions, faces, mesh_faces, in_segment, distance, rings, reach })
 }
 

@@ -161,8 +161,7 @@ fn overlaps(x: &[DVec3], uv: &[DVec2], boundary: &[u32]) -> usize {
                 continue;
             }
             let ([a, b], [c, d]) = (e.ends, o.ends);
-            let crossing =
-                side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0;
+            let crossing = side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0;
             let far = 2.5 * median + 1.5 * (e.length + o.length);
             count += usize::from(crossing && e.middle.distance(o.middle) > far);
         }

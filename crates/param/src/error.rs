@@ -77,7 +77,9 @@ pub enum ParamError {
         defects: usize,
     },
     /// An interior chart vertex does not have the faces of its mesh vertex: an internal error of the collar.
-    #[error("interior chart vertex {vertex} has {found} faces, its mesh vertex has {needed}; please report the mesh")]
+    #[error(
+        "interior chart vertex {vertex} has {found} faces, its mesh vertex has {needed}; please report the mesh"
+    )]
     Valence {
         /// The chart vertex.
         vertex: usize,
@@ -87,7 +89,9 @@ pub enum ParamError {
         needed: usize,
     },
     /// The collar winds around the surface so often that it outgrows the mesh.
-    #[error("the collar has {faces} faces after {rings} rings, the limit is {limit}; ask for a narrower collar")]
+    #[error(
+        "the collar has {faces} faces after {rings} rings, the limit is {limit}; ask for a narrower collar"
+    )]
     CollarTooLarge {
         /// Number of chart faces.
         faces: usize,
@@ -105,7 +109,9 @@ pub enum ParamError {
         vertices: usize,
     },
     /// A linear system has no usable solution.
-    #[error("{method}: the system of {unknowns} unknowns is singular to working precision; try `Recommended`")]
+    #[error(
+        "{method}: the system of {unknowns} unknowns is singular to working precision; try `Recommended`"
+    )]
     Singular {
         /// The method that assembled the system.
         method: &'static str,
@@ -119,7 +125,9 @@ pub enum ParamError {
         area: f64,
     },
     /// Faces are flipped where none may be.
-    #[error("{method}: {count} of {faces} faces are flipped, the worst is chart face {face}; split the segment")]
+    #[error(
+        "{method}: {count} of {faces} faces are flipped, the worst is chart face {face}; split the segment"
+    )]
     Flips {
         /// The method that met them.
         method: &'static str,

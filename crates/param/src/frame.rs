@@ -58,7 +58,10 @@ pub(crate) fn farthest(sheet: &Sheet<'_>) -> [usize; 2] {
     let key = |p: DVec3| [p.x, p.y, p.z];
     let before = |p: DVec3, q: DVec3| key(p).partial_cmp(&key(q)) == Some(std::cmp::Ordering::Less);
     let better = |d: f64, pair: [u32; 2], best: f64, old: [u32; 2]| {
-        d > best || (d == best && (before(x(pair[0]), x(old[0])) || (x(pair[0]) == x(old[0]) && before(x(pair[1]), x(old[1])))))
+        d > best
+            || (d == best
+                && (before(x(pair[0]), x(old[0]))
+                    || (x(pair[0]) == x(old[0]) && before(x(pair[1]), x(old[1])))))
     };
     let mut centre = DVec3::ZERO;
     for (f, t) in sheet.faces.iter().zip(&sheet.flats) {

@@ -37,7 +37,8 @@ impl Parameterize for Recommended {
     fn parameterize(&self, positions: &[DVec3], faces: &[[u32; 3]]) -> Result<Vec<DVec2>, ParamError> {
         let sheet = Sheet::new(positions, faces)?;
         let measure = |uv: &[DVec2]| Distortion::measure(positions, faces, uv, &self.limits);
-        let conformal = BoundaryScaleOne.parameterize(positions, faces).ok().filter(|uv| flips(&sheet, uv).is_none());
+        let conformal =
+            BoundaryScaleOne.parameterize(positions, faces).ok().filter(|uv| flips(&sheet, uv).is_none());
         let mut uv = match conformal {
             Some(uv) if measure(&uv)?.area_ratio <= self.gentle => uv,
             Some(uv) => self.descend(&sheet, uv, self.iterations, self.most, &measure)?,

@@ -1,8 +1,10 @@
 //! Sparse Cholesky factorisation with a reusable pattern, one thread.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::LltError;
-use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
+use faer::prelude::Reborrow;
+use faer::sparse::linalg::cholesky::{
+    LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
 use faer::sparse::{Argsort, CreationError, FaerError, Pair, SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
 
@@ -32,19 +34,14 @@ impl Pattern {
     ) -> Result<Self, ParamError> {
         let memory = |_: FaerError| ParamError::OutOfMemory { unknowns };
         let pairs: Vec<_> = entries.iter().map(|&(row, col)| Pair { row, col }).collect();
-        let (matrix, order) = SymbolicSparseColMat::try_new_from_indices(unknowns, unknowns, &pairs).map_err(
-            |error| match error {
+        let (matrix, order) = SymbolicSparseColMat::try_new_from_indices(unknowns, unknowns, &pairs)
+            .map_err(|error| match error {
                 CreationError::Generic(e) => memory(e),
                 CreationError::OutOfBounds { .. } => ParamError::Singular { method, unknowns },
-            },
-        )?;
-        let symbolic = factorize_symbolic_cholesky(
-            matrix.rb(),
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            Default::default(),
-        )
-        .map_err(memory)?;
+            })?;
+        let symbolic =
+            factorize_symbolic_cholesky(matrix.rb(), Side::Lower, SymmetricOrdering::Amd, Default::default())
+                .map_err(memory)?;
         Ok(Self { method, unknowns, matrix, order, symbolic })
     }
 
@@ -56,7 +53,8 @@ impl Pattern {
         if values.iter().any(|v| !v.is_finite()) {
             return Err(singular());
         }
-        let matrix = SparseColMat::new_from_argsort(self.matrix.clone(), &self.order, values).map_err(|_| memory())?;
+        let matrix =
+            SparseColMat::new_from_argsort(self.matrix.clone(), &self.order, values).map_err(|_| memory())?;
         let mut factor = Vec::new();
         factor.try_reserve_exact(self.symbolic.len_val()).map_err(|_| memory())?;
         factor.resize(self.symbolic.len_val(), 0.0);
@@ -73,10 +71,7 @@ impl Pattern {
                 MemStack::new(&mut buffer),
                 Default::default(),
             )
-            .map_err(|error| match error {
-                LltError::Generic(_) => memory(),
-                LltError::Numeric(_) => singular(),
-            })?;
+            .map_err(|_| singular())?;
         Ok(Factor { pattern: self, values: factor })
     }
 }

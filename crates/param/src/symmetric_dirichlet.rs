@@ -203,10 +203,8 @@ impl Proxy {
         let u = DVec2::from_angle(0.5 * (h.atan2(e) + g.atan2(f)));
         let (mean, half) = (0.5 * (w1 + w2), 0.5 * (w1 - w2));
         let (c, s) = (u.x * u.x - u.y * u.y, 2.0 * u.x * u.y);
-        let weight = DMat2::from_cols(
-            DVec2::new(mean + half * c, half * s),
-            DVec2::new(half * s, mean - half * c),
-        );
+        let weight =
+            DMat2::from_cols(DVec2::new(mean + half * c, half * s), DVec2::new(half * s, mean - half * c));
         let (c, s) = (e / q, h / q);
         let residual =
             DMat2::from_cols(DVec2::new(j[0].x - c, j[1].x - s), DVec2::new(j[0].y + s, j[1].y - c));
@@ -284,7 +282,8 @@ mod tests {
             let det = m[0] * m[3] - m[1] * m[2];
             m.iter().map(|x| x * x).sum::<f64>() * (1.0 + 1.0 / (det * det))
         };
-        for m in [[1.2, 0.3, -0.4, 0.9], [0.2, 0.1, 0.05, 3.0], [1.0, 0.0, 0.0, 1.0], [-0.5, 0.8, -1.3, 0.2]] {
+        for m in [[1.2, 0.3, -0.4, 0.9], [0.2, 0.1, 0.05, 3.0], [1.0, 0.0, 0.0, 1.0], [-0.5, 0.8, -1.3, 0.2]]
+        {
             let proxy = Proxy::new([DVec2::new(m[0], m[1]), DVec2::new(m[2], m[3])]);
             let half = (proxy.weight * proxy.residual).to_cols_array();
             for (i, at) in [(0, 0), (1, 2), (2, 1), (3, 3)] {
