@@ -8,7 +8,7 @@ use crate::{
     TriMesh,
     edges::{Orientation, Sets, Side, face_components, orientation, same_edge, sides, usable_faces},
     loops::boundary_loops,
-    measure::{self, corners, cross, longest_edge, positive},
+    measure::{self, corners, cross, length, longest_edge, positive},
     report::{
         BadIndex, CoincidentVertex, Component, DuplicateFace, MeshReport, MisorientedEdge, NonManifoldEdge,
     },
@@ -63,10 +63,7 @@ fn vertices(mesh: &TriMesh, usable: &[bool], report: &mut MeshReport) {
             bounds = Some([lo.min(p), hi.max(p)]);
         }
     }
-    report.diagonal = bounds.map_or(0.0, |[lo, hi]| {
-        let scale = positive((hi - lo).max_element());
-        ((hi - lo) / scale).length() * scale
-    });
+    report.diagonal = bounds.map_or(0.0, |[lo, hi]| length(hi - lo));
 }
 
 fn faces(mesh: &TriMesh, usable: &[bool], report: &mut MeshReport) {

@@ -23,8 +23,8 @@
 //! Conventions: faces are counter-clockwise seen from outside; indices are from 0; tolerances are relative to the diagonal of the
 //! bounding box of the vertices in use. Results depend on the order of vertices and faces only where it is said.
 //!
-//! When not to use it: quad or polygon meshes (they are triangulated on reading), colours and texture coordinates (dropped), point clouds, remeshing,
-//! boolean operations, closest points and rays.
+//! When not to use it: quad or polygon meshes (they are triangulated on reading), colours and texture coordinates (dropped),
+//! point clouds, remeshing, boolean operations, closest points and rays.
 
 #![forbid(unsafe_code)]
 

@@ -10,8 +10,8 @@ use crate::{
 
 /// The loops of edges with one face, in the order of their first edges.
 ///
-/// Where several fans of faces meet in one vertex, each fan has its own passage through it, so that loops which merely touch stay two; only at
-/// a non-manifold edge can a loop branch.
+/// Where several fans of faces meet in one vertex, each fan has its own passage through it, so that loops which merely touch stay
+/// two; only at a non-manifold edge can a loop branch.
 pub(crate) fn boundary_loops(mesh: &TriMesh, sides: &[Side]) -> Vec<BoundaryLoop> {
     let mut border: Vec<Side> =
         sides.chunk_by(same_edge).filter(|edge| edge.len() == 1).map(|edge| edge[0]).collect();

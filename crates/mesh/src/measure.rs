@@ -53,13 +53,9 @@ pub fn median_edge_length(mesh: &TriMesh) -> f64 {
     }
     edges.sort_unstable();
     edges.dedup();
-    let length = |&(a, b): &(u32, u32)| {
-        let d = mesh.positions[a as usize] - mesh.positions[b as usize];
-        let s = positive(d.abs().max_element());
-        (d / s).length() * s
-    };
+    let of = |&(a, b): &(u32, u32)| length(mesh.positions[a as usize] - mesh.positions[b as usize]);
     let mut lengths: Vec<f64> =
-        edges.iter().filter(|e| e.0 != e.1).map(length).filter(|l| l.is_finite()).collect();
+        edges.iter().filter(|e| e.0 != e.1).map(of).filter(|l| l.is_finite()).collect();
     median(&mut lengths)
 }
 
@@ -84,9 +80,19 @@ pub(crate) fn corners(mesh: &TriMesh, face: [u32; 3]) -> Option<[DVec3; 3]> {
 
 /// Length of the longest edge.
 pub(crate) fn longest_edge([a, b, c]: [DVec3; 3]) -> f64 {
-    let s = positive((b - a).abs().max((c - b).abs()).max((a - c).abs()).max_element());
-    let length = |d: DVec3| (d / s).length();
-    length(b - a).max(length(c - b)).max(length(a - c)) * s
+    length(b - a).max(length(c - b)).max(length(a - c))
+}
+
+/// The length of `v`, also where its square overflows or vanishes.
+pub(crate) fn length(v: DVec3) -> f64 {
+    // A power of two, so that the result differs from `v.length()` only where that fails.
+    let s = power_of_two_below(v.abs().max_element());
+    (v / s).length() * s
+}
+
+/// The largest power of two not above `x`; the smallest normal one for what is below it, the largest for infinity.
+pub(crate) fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.clamp(f64::MIN_POSITIVE, f64::MAX).to_bits() & !((1 << 52) - 1))
 }
 
 /// Twice the area vector, in units of `scale²`.

@@ -154,8 +154,8 @@ fn drop_faces(mesh: &mut TriMesh, drop: &[usize]) {
     });
 }
 
-/// Removes the faces that name one vertex twice or a vertex that does not exist, and returns their indices. Faces with three different vertices stay, even without
-/// area: removing them would open a hole.
+/// Removes the faces that name one vertex twice or a vertex that does not exist, and returns their indices. Faces with three
+/// different vertices stay, even without area: removing them would open a hole.
 pub fn drop_degenerate_faces(mesh: &mut TriMesh) -> Vec<usize> {
     let usable = usable_faces(mesh);
     let drop: Vec<usize> = (0..usable.len()).filter(|&f| !usable[f]).collect();
@@ -205,8 +205,8 @@ pub fn drop_isolated_vertices(mesh: &mut TriMesh) -> Vec<u32> {
 }
 
 /// Makes the faces of each part (joined by edges with two faces) agree in orientation: outwards where the part is closed, and
-/// otherwise the way most of its faces are already (the way of its first face, if there are as many of either kind). Normals of vertices are
-/// left alone, and so are parts that cannot be oriented.
+/// otherwise the way most of its faces are already (the way of its first face, if there are as many of either kind). Normals of
+/// vertices are left alone, and so are parts that cannot be oriented.
 ///
 /// Every closed part is turned outwards, also one that lies inside another and was meant as a cavity.
 pub fn orient(mesh: &mut TriMesh) -> Oriented {

@@ -117,8 +117,8 @@ pub struct Component {
     pub closed: bool,
     /// Number of handles; of orientable manifolds only.
     pub genus: Option<usize>,
-    /// Volume enclosed, in the units of the input to the third power; negative where the faces are seen clockwise from outside. Of closed,
-    /// consistently oriented components only.
+    /// Volume enclosed, in the units of the input to the third power; negative where the faces are seen clockwise from outside.
+    /// Of closed, consistently oriented components only.
     pub volume: Option<f64>,
 }
 

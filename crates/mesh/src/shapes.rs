@@ -1,7 +1,7 @@
 //! Meshes made by formula: for tests, for examples and as the shape shown when nothing else is given.
 //!
-//! All are deterministic to the bit on one machine; [`sphere`], [`cuboid`], [`rounded_box`], [`pebble`] and [`double_torus`] use only arithmetic and square roots and
-//! are the same everywhere. Faces are counter-clockwise seen from outside; the meshes have no normals.
+//! All are deterministic to the bit on one machine; all but [`torus`] use only arithmetic and square roots and are the same
+//! everywhere. Faces are counter-clockwise seen from outside; the meshes have no normals.
 
 use std::collections::HashMap;
 

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::measure::length;
+
 /// Triangles over shared vertices; faces are counter-clockwise seen from outside.
 ///
 /// The fields are plain data and nothing is promised of them: [`Topology::build`](crate::Topology::build) is where a mesh proves
@@ -39,15 +41,32 @@ impl TriMesh {
         0.5 * (b - a).cross(c - a)
     }
 
-    /// Lower and upper corner of the box around the vertices that faces use; `None` without faces.
+    /// Lower and upper corner of the box around the vertices that faces use; `None` without any. Faces may name vertices that do
+    /// not exist.
     pub fn bounding_box(&self) -> Option<[DVec3; 2]> {
-        let mut used = self.faces.iter().flatten().map(|&v| self.positions[v as usize]);
+        let mut used = self.faces.iter().flatten().filter_map(|&v| self.positions.get(v as usize)).copied();
         let first = used.next()?;
         Some(used.fold([first; 2], |[lo, hi], p| [lo.min(p), hi.max(p)]))
     }
 
     /// Length of the diagonal of [`bounding_box`](Self::bounding_box): the length that all tolerances refer to. 0 without faces.
     pub fn diagonal(&self) -> f64 {
-        self.bounding_box().map_or(0.0, |[lo, hi]| lo.distance(hi))
+        self.bounding_box().map_or(0.0, |[lo, hi]| length(hi - lo))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_box_is_that_of_the_vertices_in_use() {
+        let positions = vec![DVec3::ZERO, DVec3::splat(9.0), DVec3::new(3.0, 4.0, 0.0)];
+        for scale in [1.0, 2f64.powi(900), 2f64.powi(-900)] {
+            let positions = positions.iter().map(|&p| p * scale).collect();
+            let mesh = TriMesh::new(positions, vec![[0, 2, 2], [0, 77, 0]]);
+            assert_eq!(mesh.diagonal(), 5.0 * scale);
+        }
+        assert_eq!((TriMesh::default().bounding_box(), TriMesh::default().diagonal()), (None, 0.0));
     }
 }

@@ -12,6 +12,8 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 use glam::DVec3;
 use robust::{Coord, orient2d};
 
+use crate::measure::power_of_two_below;
+
 /// Triangles over the corners of a polygon, in its orientation.
 #[derive(Debug)]
 pub(super) struct Cut {
@@ -59,11 +61,6 @@ fn project(corners: &[DVec3]) -> Option<Vec<Coord<f64>>> {
     let (x, y) = ((axis + 1) % 3, (axis + 2) % 3);
     let (x, y) = if normal[axis] > 0.0 { (x, y) } else { (y, x) };
     Some(corners.iter().map(|p| Coord { x: p[x] / scale, y: p[y] / scale }).collect())
-}
-
-/// The largest power of two not above `x > 0` (the smallest normal one for subnormal `x`).
-fn power_of_two_below(x: f64) -> f64 {
-    f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & !((1 << 52) - 1))
 }
 
 fn fan(ring: &[usize]) -> Vec<[usize; 3]> {

@@ -25,8 +25,8 @@ pub struct WriteOptions {
 
 /// Writes a mesh in the format that the extension names, atomically (see [`atomic_write`]).
 ///
-/// OBJ, OFF and PLY return the mesh to the bit, normals included; STL rounds to 32 bits and drops shared vertices, normals of vertices and unused
-/// vertices.
+/// OBJ, OFF and PLY return the mesh to the bit, normals included; STL rounds to 32 bits and drops shared vertices, normals of
+/// vertices and unused vertices.
 ///
 /// # Errors
 /// [`MeshError::UnknownFormat`], [`MeshError::Io`], and what [`write_to`] refuses.
