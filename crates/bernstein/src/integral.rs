@@ -69,7 +69,7 @@ pub struct Gram {
 }
 
 impl Gram {
-    /// The matrix for the derivatives of `orders` `[a, b]` of the basis of `degree` over `knots`; symmetric when `a = b`.
+    /// The matrix for the derivatives of `orders` `[a, b]` of the basis of `degree` over `knots`; symmetric to the bit when `a = b`.
     ///
     /// By Gauss quadrature of sufficient order on every span: exact up to rounding.
     ///
@@ -149,7 +149,8 @@ pub fn span_gram(degree: usize, knots: &[f64], span: usize, orders: [usize; 2], 
             (derivative(degree, knots, span, t, orders[0]), derivative(degree, knots, span, t, orders[1]));
         for i in 0..order {
             for j in 0..order {
-                out[i * order + j] += (b - a) * w * f[i] * g[j];
+                // Grouped so that exchanging the orders transposes the matrix to the bit.
+                out[i * order + j] += (b - a) * w * (f[i] * g[j]);
             }
         }
     }

@@ -25,7 +25,10 @@ pub fn knots(degree: usize) -> impl Strategy<Value = Vec<f64>> {
             let last = intervals.len() - 1;
             for (i, (width, multiplicity)) in intervals.into_iter().enumerate() {
                 t += width;
-                knots.extend(std::iter::repeat_n(t, if i == last { degree + 1 - after } else { multiplicity }));
+                knots.extend(std::iter::repeat_n(
+                    t,
+                    if i == last { degree + 1 - after } else { multiplicity },
+                ));
             }
             knots.extend((0..after).map(|i| t + 0.2 * (i + 1) as f64));
             knots
@@ -86,5 +89,8 @@ pub fn near(got: DVec3, want: DVec3, tolerance: f64) {
 /// Relative to the larger of the wanted value and `scale`.
 #[track_caller]
 pub fn close(got: f64, want: f64, tolerance: f64, scale: f64) {
-    assert!((got - want).abs() <= tolerance * scale.max(want.abs()), "{got} ≠ {want}, tolerance {tolerance:e}");
+    assert!(
+        (got - want).abs() <= tolerance * scale.max(want.abs()),
+        "{got} ≠ {want}, tolerance {tolerance:e}"
+    );
 }
