@@ -10,8 +10,8 @@ use crate::region::{BoundaryPoint, Region};
 
 /// Newton steps per patch; the guess comes from a tessellation, three to five are usual.
 const STEPS: usize = 16;
-/// Patches visited at most: enough to walk around a corner.
-const HOPS: usize = 8;
+/// Edges visited at most: enough to walk around a corner.
+const HOPS: usize = 16;
 
 /// A point of the surface and its distance from the point asked for.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +47,9 @@ impl<'a> Feet<'a> {
     /// distance returned is one to a point of the surface. `None` if the surface is finite at none of the points tried.
     pub(crate) fn find(&self, p: DVec3, patch: PatchId, at: DVec2) -> Option<Foot> {
         let mut best = self.measure(p, patch, at);
-        let (mut patch, mut at, mut from) = (patch, at, None);
+        let (mut patch, mut at) = (patch, at);
+        // The edge along which `at` is the nearest point already, and the edge over which the search came.
+        let (mut slid, mut from) = (None, None);
         for _ in 0..HOPS {
             let (surface, region) = (self.surface.patch(patch)?, self.regions.get(patch.0 as usize)?);
             let (foot, exit) = newton(surface, region, p, at);
@@ -55,27 +57,21 @@ impl<'a> Feet<'a> {
                 keep(&mut best, self.measure(p, patch, foot));
                 break;
             };
-            keep(&mut best, self.measure(p, patch, exit.at));
             let edge = EdgeRef { patch, edge: exit.edge as u32 };
-            let over = self.across[patch.0 as usize].get(exit.edge).copied().flatten();
-            match over {
-                // Neither side holds the foot: it lies on the seam.
-                _ if from == Some(edge) => {
-                    self.slide(p, edge, exit.t, &mut best);
-                    break;
-                }
-                None => {
-                    self.slide(p, edge, exit.t, &mut best);
-                    break;
-                }
-                Some((other, same)) => {
-                    let t = if same { exit.t } else { 1.0 - exit.t };
-                    let region = self.regions.get(other.patch.0 as usize)?;
-                    let Some(curve) = region.domain().edge(other.edge as usize) else { break };
-                    (patch, at, from) = (other.patch, curve.point(t), Some(other));
-                    keep(&mut best, self.measure(p, patch, at));
-                }
+            let Some((t, nearest)) = self.slide(p, edge, exit.t, &mut best) else { break };
+            if slid != Some(edge) {
+                // Newton's method may overshoot the boundary: only what leads out from the nearest point of the edge leaves.
+                (at, slid) = (nearest, Some(edge));
+                continue;
             }
+            let over = self.across[patch.0 as usize].get(exit.edge).copied().flatten();
+            // Without another side, or coming from it, the foot lies on the edge.
+            let Some((other, same)) = over.filter(|_| from != Some(edge)) else { break };
+            let region = self.regions.get(other.patch.0 as usize)?;
+            let Some(curve) = region.domain().edge(other.edge as usize) else { break };
+            (patch, at) = (other.patch, curve.point(if same { t } else { 1.0 - t }));
+            (slid, from) = (Some(other), Some(other));
+            keep(&mut best, self.measure(p, patch, at));
         }
         best
     }
@@ -85,12 +81,12 @@ impl<'a> Feet<'a> {
         distance.is_finite().then_some(Foot { patch, at, distance })
     }
 
-    /// Newton's method along a boundary edge.
-    fn slide(&self, p: DVec3, edge: EdgeRef, t: f64, best: &mut Option<Foot>) {
-        let Some(patch) = self.surface.patch(edge.patch) else { return };
-        let region = &self.regions[edge.patch.0 as usize];
-        let Some(curve) = region.domain().edge(edge.edge as usize) else { return };
-        let mut t = t;
+    /// Newton's method along a boundary edge; parameter and point where it ends.
+    fn slide(&self, p: DVec3, edge: EdgeRef, t: f64, best: &mut Option<Foot>) -> Option<(f64, DVec2)> {
+        let patch = self.surface.patch(edge.patch)?;
+        let curve = self.regions.get(edge.patch.0 as usize)?.domain().edge(edge.edge as usize)?;
+        let distance = |t: f64| patch.jet(curve.point(t)).p.distance(p);
+        let (mut t, mut least) = (t, distance(t));
         for _ in 0..STEPS {
             let [x, d, dd] = curve.jet(t);
             let jet = patch.jet(x);
@@ -98,16 +94,21 @@ impl<'a> Feet<'a> {
             let second = jet.duu * (d.x * d.x) + jet.duv * (2.0 * d.x * d.y) + jet.dvv * (d.y * d.y);
             let second = second + jet.du * dd.x + jet.dv * dd.y;
             let r = jet.p - p;
-            let (slope, flat) = (r.dot(first), first.length_squared());
-            let bend = flat + r.dot(second);
-            let step = -slope / if bend > 0.1 * flat { bend } else { flat };
-            let next = (t + step).clamp(0.0, 1.0);
-            if !next.is_finite() || (next - t).abs() < 4.0 * f64::EPSILON {
+            let flat = first.length_squared();
+            let full = flat + r.dot(second);
+            let step = -r.dot(first) / if full > 0.1 * flat { full } else { flat };
+            let trial = |k: i32| (t + step * 0.5f64.powi(k)).clamp(0.0, 1.0);
+            // Halve until the distance falls; NaN falls nowhere.
+            let Some(next) = (0..6).map(trial).find(|&next| distance(next) < least) else { break };
+            let done = (next - t).abs() < 4.0 * f64::EPSILON;
+            (t, least) = (next, distance(next));
+            if done {
                 break;
             }
-            t = next;
-            keep(best, self.measure(p, edge.patch, curve.point(t)));
         }
+        let at = curve.point(t);
+        keep(best, self.measure(p, edge.patch, at));
+        Some((t, at))
     }
 }
 
@@ -129,7 +130,7 @@ fn newton(patch: &dyn Patch, region: &Region, p: DVec3, start: DVec2) -> (DVec2,
         let Some(step) = step(&jet, r) else { break };
         // Halve until the distance falls: far from the foot a full step may climb.
         let mut scale = 1.0;
-        let mut accepted = None;
+        let (mut accepted, mut outward) = (None, None);
         for _ in 0..6 {
             let mut next = x + step * scale;
             let mut exit = None;
@@ -144,11 +145,12 @@ fn newton(patch: &dyn Patch, region: &Region, p: DVec3, start: DVec2) -> (DVec2,
                 accepted = Some((next, trial, exit));
                 break;
             }
-            // At the boundary already: no shorter step along the same direction leads inside.
-            if exit.is_some() && leaving.is_some() {
-                return (x, exit);
-            }
+            outward = outward.or(exit);
             scale *= 0.5;
+        }
+        // The nearest boundary point to a step that leads out need not be nearer to p: the caller goes on along the edge.
+        if accepted.is_none() && outward.is_some() {
+            return (x, outward);
         }
         let Some((next, trial, exit)) = accepted else { break };
         let moved = (trial.p - jet.p).length();
