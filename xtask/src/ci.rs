@@ -12,14 +12,18 @@ use crate::step::{cargo, run, step, works};
 pub(crate) fn all(root: &Path) -> Result<(), String> {
     let call = |words: &[&str]| run(cargo().args(words).current_dir(root));
     step("format", || {
-        call(&["fmt", "--all", "--check"]).map_err(|e| format!("{e}; run `cargo fmt --all` and commit the result"))
+        call(&["fmt", "--all", "--check"])
+            .map_err(|e| format!("{e}; run `cargo fmt --all` and commit the result"))
     })?;
     // All targets: libraries, binaries, tests, examples and benches are all built.
     step("clippy", || call(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     // Doc tests included; --all-targets would leave them out. Examples are built, not run.
     step("test", || call(&["test", "--workspace"]))?;
     step("doc", || {
-        run(cargo().args(["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings").current_dir(root))
+        run(cargo()
+            .args(["doc", "--workspace", "--no-deps"])
+            .env("RUSTDOCFLAGS", "-D warnings")
+            .current_dir(root))
     })?;
     step("codegen", || codegen::run(root, true))?;
     if works(cargo().args(["deny", "--version"])) {

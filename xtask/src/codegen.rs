@@ -140,7 +140,7 @@ mod tests {
         let mut compared = 0;
         for (n, triangle, coefficients) in printed::PRINTED {
             let nets = table(n).rounded();
-            for &(i, j, k, want) in coefficients {
+            for &([i, j, k], want) in coefficients {
                 let q = net::at([i, j, k]);
                 let got = nets[triangle - 1][q];
                 assert!((got - want).abs() < 5e-10, "h^{{{n},{triangle}}}_{i}{j}{k} = {got}, printed {want}");
@@ -168,11 +168,15 @@ mod tests {
         for h in tables() {
             prove::prove(h).unwrap();
         }
-        for (q, condition) in
-            [([7, 0, 0], "(H16)"), ([3, 3, 1], "(H17)"), ([3, 2, 2], "(H18)"), ([1, 1, 5], "inner edge")]
-        {
+        for (q, condition) in [
+            ([7, 0, 0], "(H16)"),
+            ([3, 3, 1], "(H17)"),
+            ([3, 2, 2], "(H18)"),
+            ([1, 1, 5], "across the inner edge"),
+            ([3, 1, 3], "(H25)"),
+        ] {
             let mut h = NBlend::new(3).unwrap();
-            let entry = &mut h.nets[1][net::at(q)];
+            let entry = &mut h.nets[0][net::at(q)];
             *entry = &*entry + &h.field.ratio(1, i64::MAX);
             let message = prove::prove(&h).unwrap_err();
             assert!(message.contains(condition), "{q:?}: {message}");

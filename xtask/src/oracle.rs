@@ -66,7 +66,8 @@ fn environment(folder: &Path) -> Result<PathBuf, String> {
     let inside = if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" };
     let python = venv.join(inside);
     let requirements = folder.join("requirements.txt");
-    let wanted = std::fs::read_to_string(&requirements).map_err(|e| format!("{}: {e}", requirements.display()))?;
+    let wanted =
+        std::fs::read_to_string(&requirements).map_err(|e| format!("{}: {e}", requirements.display()))?;
     // Written last: an interrupted installation leaves no stamp and is begun anew.
     let stamp = venv.join("installed.txt");
     let current = std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted);
@@ -81,7 +82,16 @@ fn environment(folder: &Path) -> Result<PathBuf, String> {
         .ok_or("no Python 3.11 or later with `venv` in PATH: install python3 (Debian: python3-venv) and run this again")?;
     run(Command::new(system).args(["-m", "venv", "--clear"]).arg(&venv))?;
     run(Command::new(&python)
-        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "-r"])
+        .args([
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+            "--only-binary",
+            ":all:",
+            "-r",
+        ])
         .arg(&requirements))?;
     std::fs::write(&stamp, wanted).map_err(|e| format!("{}: {e}", stamp.display()))?;
     Ok(python)

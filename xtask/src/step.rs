@@ -32,7 +32,12 @@ pub(crate) fn run(command: &mut Command) -> Result<(), String> {
 
 /// Whether `command` can be started and succeeds, in silence.
 pub(crate) fn works(command: &mut Command) -> bool {
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|s| s.success())
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .is_ok_and(|s| s.success())
 }
 
 /// The cargo that called us.
@@ -51,9 +56,12 @@ mod tests {
 
     #[test]
     fn a_failing_program_is_named_with_its_step() {
-        let e = step("nonsense", || run(cargo().arg("no-such-subcommand").stderr(Stdio::null()))).unwrap_err();
+        let e =
+            step("nonsense", || run(cargo().arg("no-such-subcommand").stderr(Stdio::null()))).unwrap_err();
         assert!(e.starts_with("nonsense failed after") && e.contains("no-such-subcommand"), "{e}");
-        assert!(run(&mut Command::new("no-such-program-anywhere")).unwrap_err().contains("cannot be started"));
+        assert!(
+            run(&mut Command::new("no-such-program-anywhere")).unwrap_err().contains("cannot be started")
+        );
         assert!(!works(&mut Command::new("no-such-program-anywhere")));
     }
 }

@@ -211,7 +211,7 @@ fn nearest(x: &BigRational) -> f64 {
     if x.is_zero() {
         return 0.0;
     }
-    // A quotient of 64 to 66 bits whose last bit also says "or a little more", so that rounding it rounds x.
+    // A quotient of 65 or 66 bits whose last bit also says "or a little more", so that rounding it rounds x.
     let shift = 65 + x.denom().bits() as i64 - x.numer().bits() as i64;
     let (numer, denom) = if shift >= 0 {
         (x.numer().abs() << shift, x.denom().clone())
@@ -266,19 +266,18 @@ mod tests {
 
     #[test]
     fn rounding_is_to_nearest_even() {
-        let unit = BigInt::one() << 53;
-        let half = |above: i64| BigRational::new(&unit * 2 + 1 + above * 2, &unit * 2);
-        assert_eq!(nearest(&half(0)), 1.0);
-        assert_eq!(nearest(&half(1)), 1.0 + 2.0 * f64::EPSILON / 2.0);
+        // 1 + (1 + 2m)/2^53 lies halfway between two neighbours.
+        let unit: BigInt = BigInt::one() << 53;
+        let tie = |m: i64| BigRational::new(&unit + BigInt::from(1 + 2 * m), unit.clone());
         let a_little = BigRational::new(BigInt::one(), BigInt::one() << 300);
-        assert_eq!(nearest(&(half(0) + &a_little)), 1.0 + f64::EPSILON);
-        assert_eq!(nearest(&-(half(0) + &a_little)), -1.0 - f64::EPSILON);
-        assert_eq!(nearest(&(half(0) - &a_little)), 1.0);
-        for (p, q) in [(1, 3), (2, 3), (-22, 7), (1, 1_000_000_007), (i64::MAX, 3)] {
-            // Division of two exact floats rounds once; i64::MAX is no float, its numerator is compared to 2^63.
-            let want = p as f64 / q as f64;
-            let got = nearest(&BigRational::new(p.into(), q.into()));
-            assert!((got - want).abs() <= f64::EPSILON * want.abs() * if p == i64::MAX { 1.0 } else { 0.0 });
+        assert_eq!(nearest(&tie(0)), 1.0);
+        assert_eq!(nearest(&tie(1)), 1.0 + 2.0 * f64::EPSILON);
+        assert_eq!(nearest(&(tie(0) + &a_little)), 1.0 + f64::EPSILON);
+        assert_eq!(nearest(&(tie(1) - &a_little)), 1.0 + f64::EPSILON);
+        assert_eq!(nearest(&-(tie(0) + &a_little)), -1.0 - f64::EPSILON);
+        for (p, q) in [(1_i64, 3_i64), (2, 3), (-22, 7), (1, 1_000_000_007), (0, 5)] {
+            // The division of two floats rounds once, too.
+            assert_eq!(nearest(&BigRational::new(p.into(), q.into())), p as f64 / q as f64);
         }
     }
 }

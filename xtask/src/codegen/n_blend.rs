@@ -132,27 +132,28 @@ fn minimise(field: &'static Field, solutions: &Solutions) -> Result<NBlend, Stri
     }
     let matrix = energy_matrix(field);
     let images: Vec<Vec<Elem>> = columns.iter().map(|column| apply(&matrix, column)).collect();
+    let linear: Vec<Elem> = images.iter().map(|image| dot(image, &columns[0])).collect();
     let mut stationary = Solutions::all(field);
-    for (row, image) in images.iter().enumerate().skip(1) {
-        let mut form = Affine::constant(dot(image, &columns[0]));
+    for row in 1..columns.len() {
+        let mut form = Affine::constant(linear[row].clone());
         for col in 1..columns.len() {
-            let factor = dot(image, &columns[col]);
-            if !factor.is_zero() {
-                form.add_term(col, &factor);
-            }
+            form.add_term(col, &dot(&images[row], &columns[col]));
         }
         stationary.impose(form).map_err(|e| format!("degree of freedom {row}: {e}"))?;
     }
 
     let mut h = columns[0].clone();
+    // Where the energy is stationary, the quadratic part is minus half the linear one.
+    let mut energy = linear[0].clone();
     for (col, column) in columns.iter().enumerate().skip(1) {
         let amount = stationary.value(col);
         if !amount.terms.is_empty() {
             return Err(format!("the energy does not determine degree of freedom {col} of N = {n}"));
         }
         h.iter_mut().zip(column).for_each(|(h, d)| *h = &*h + &(&amount.constant * d));
+        energy = &energy + &(&amount.constant * &linear[col]);
     }
-    let energy = &dot(&apply(&matrix, &h), &h) * &energy_scale(field);
+    let energy = &energy * &energy_scale(field);
     let nets = h.chunks(COUNT).map(<[Elem]>::to_vec).collect();
     Ok(NBlend { field, nets, freedom: free.len(), energy })
 }
