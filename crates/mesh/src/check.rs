@@ -227,7 +227,8 @@ fn components(
     }
     report.euler_characteristic = list.iter().map(|c| c.euler_characteristic).sum();
     report.genus = list.iter().map(|c| c.genus).sum::<Option<usize>>().filter(|_| count > 0);
-    report.volume = list.iter().filter_map(|c| c.volume).sum();
+    // Not `sum`, whose zero is −0.
+    report.volume = list.iter().filter_map(|c| c.volume).fold(0.0, |sum, v| sum + v);
     report.manifold = count > 0 && list.iter().all(|c| c.manifold);
     report.orientable = list.iter().all(|c| c.orientable);
     report.non_orientable.extend(list.iter().filter(|c| !c.orientable).map(|c| c.first_face));

@@ -35,6 +35,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Loaded, MeshError> {
                     for property in &element.properties {
                         source.step_over(property)?;
                     }
+                    source.end_element(&mut draft);
                 }
             }
         }
@@ -83,6 +84,7 @@ fn vertices(element: &Element, source: &mut Source<'_>, draft: &mut Draft) -> Re
             }
             p[axis] = x;
         }
+        source.end_element(draft);
         draft.positions.push(p.into());
         if normals {
             draft.normals.push(DVec3::from(n));
@@ -116,6 +118,7 @@ fn faces(element: &Element, source: &mut Source<'_>, draft: &mut Draft) -> Resul
             }
             draft.end_polygon(at);
         }
+        source.end_element(draft);
     }
     Ok(())
 }
@@ -331,6 +334,17 @@ impl<'a> Source<'a> {
                 byte => byte,
             },
             Self::Binary { at, .. } => Place::Byte(*at as u64),
+        }
+    }
+
+    /// In text, goes to the next line: an element has a line of its own. Some files have more on it than their header says.
+    fn end_element(&mut self, draft: &mut Draft) {
+        let place = self.place();
+        if let Self::Ascii { lexer, .. } = self {
+            if lexer.word().is_some() {
+                draft.ignore("line with more numbers than the header declares", 1, place);
+            }
+            lexer.next_line();
         }
     }
 
