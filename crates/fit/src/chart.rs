@@ -38,7 +38,8 @@ pub(crate) struct Chart<'a> {
     pub(crate) size: DVec2,
     /// One third of the area around every vertex, sum one.
     pub(crate) weights: Vec<f64>,
-    /// Area-weighted vertex normals (not unit), from the triangles' orientation in the parameter plane.
+    /// Vertex normals (not unit), summed over three rings: on a noisy mesh single facets and even single fans turn over
+    /// without any fault of the surface.
     pub(crate) normals: Vec<DVec3>,
     /// Vertices with positive weight.
     pub(crate) vertices: usize,
@@ -106,12 +107,21 @@ impl<'a> Chart<'a> {
         if !in_segment.iter().any(|&s| s) {
             return Err(FitError::EmptySegment);
         }
+        let mut normals: Vec<DVec3> = normals.into_iter().map(sum_vectors).collect();
+        for _ in 0..2 {
+            let mut wider = vec![DVec3::ZERO; n];
+            for t in input.triangles {
+                let sum: DVec3 = t.iter().map(|&v| normals[v as usize]).sum();
+                t.iter().for_each(|&v| wider[v as usize] += sum);
+            }
+            normals = wider;
+        }
         let orientation = 1.0_f64.copysign(sum(signed));
         Ok(Self {
             edge: median_edge(input.triangles, &params),
             triangles: input.triangles,
             relative: scale / input.diagonal,
-            normals: normals.into_iter().map(sum_vectors).collect(),
+            normals,
             stretch: (space / area).sqrt(),
             reach: input.reach,
             points,

@@ -50,8 +50,6 @@ pub(crate) fn inspect(chart: &Chart<'_>, cells: &Cells, params: &[DVec2], net: &
 }
 
 /// The sample points inside one triangle with the interpolated vertex normal.
-///
-/// Vertex rather than facet normals: on a noisy mesh single facets turn over without any fault of the surface.
 fn lattice(chart: &Chart<'_>, cells: &Cells, params: &[DVec2], t: &[u32; 3]) -> Vec<(DVec2, DVec3)> {
     let grid = cells.grid();
     let fine = grid.step / SAMPLES as f64;

@@ -129,6 +129,11 @@ impl System {
         self.cells.grid()
     }
 
+    /// The energy.
+    pub fn order(&self) -> EnergyOrder {
+        self.order
+    }
+
     /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.pattern.len()

@@ -28,7 +28,9 @@ fn check_rule(
     limit: f64,
 ) {
     // About one coefficient per vertex, as in the published comparison.
-    let chart = Chart::disc(31, radius, lift).noisy(sigma, 11);
+    // With a known sigma the noise is normal only: charts made from noisy vertices follow the tangential part.
+    let normal = matches!(smoothing, Smoothing::Noise(_));
+    let chart = Chart::disc(31, radius, lift).noisy(sigma, 11, normal);
     let base = FitOptions {
         knots: Knots { start: 1.4, finest: 1.4, ..Knots::default() },
         corrections: 0,
@@ -62,7 +64,7 @@ fn gcv_is_near_the_oracle_on_clean_data() {
 
 #[test]
 fn noise_is_recognised_and_estimated() {
-    let chart = Chart::disc(41, 0.25, sphere).noisy(0.002, 5);
+    let chart = Chart::disc(41, 0.25, sphere).noisy(0.002, 5, false);
     let f = fit(&chart.input(), &FitOptions::default()).unwrap();
     assert_eq!(f.report.outcome, Outcome::Noise);
     // These parameters do not follow the tangential noise: all three coordinates remain in the residual.
@@ -110,7 +112,7 @@ fn refinement_reaches_the_tolerance_or_reports_the_limit() {
 
 #[test]
 fn scaling_by_powers_of_two_is_exact_to_rounding() {
-    let chart = Chart::disc(25, 0.12, torus).noisy(1e-4, 3);
+    let chart = Chart::disc(25, 0.12, torus).noisy(1e-4, 3, false);
     let base = fit(&chart.input(), &FitOptions::default()).unwrap();
     for power in [-20, 20] {
         let s = 2f64.powi(power);
@@ -170,7 +172,7 @@ fn extreme_scales_offsets_and_rotations_change_nothing() {
 
 #[test]
 fn the_order_of_vertices_and_triangles_does_not_matter() {
-    let chart = Chart::disc(25, 0.12, torus).noisy(1e-3, 3);
+    let chart = Chart::disc(25, 0.12, torus).noisy(1e-3, 3, false);
     let n = chart.points.len();
     let to = |i: usize| (i * 7 + 3) % n;
     assert!(n % 7 != 0);
@@ -196,8 +198,8 @@ fn the_order_of_vertices_and_triangles_does_not_matter() {
 fn extrapolation_errors_grow_by_the_published_factors() {
     // Sphere, no collar, h = 0.067, m = 3, η = 1e-4: RMS 1e-5 inside, 4e-5, 9e-5, 3e-4, 8e-4 in the bands.
     let h = 0.067;
-    let radius = 0.33;
-    let mut chart = Chart::disc(21, radius, sphere);
+    let radius = 0.26;
+    let mut chart = Chart::disc(17, radius, sphere);
     chart.reach = 1.5 * h;
     let options = |order| FitOptions {
         order,
@@ -225,9 +227,9 @@ fn extrapolation_errors_grow_by_the_published_factors() {
     };
     let third = bands(EnergyOrder::Third);
     let second = bands(EnergyOrder::Second);
-    println!("{third:.1e?}\n{second:.1e?}");
+    println!("{third:?}\n{second:?}");
     for (got, limit) in third.iter().zip([2e-5, 8e-5, 1.8e-4, 6e-4, 1.6e-3]) {
-        assert!(*got < limit, "{third:.1e?}");
+        assert!(*got < limit, "{third:?}");
     }
     for k in 1..5 {
         assert!(second[k] > 2.0 * third[k]);
@@ -268,8 +270,15 @@ fn a_mirrored_chart_is_no_failure() {
 
 #[test]
 fn few_vertices_fall_back_to_one_cell() {
-    let chart = Chart::disc(3, 0.12, torus);
-    assert!(chart.points.len() < 10);
+    let params = vec![DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE, DVec2::new(0.4, 0.5)];
+    let chart = Chart {
+        points: params.iter().map(|&p| torus(0.1 * p)).collect(),
+        params,
+        triangles: vec![[0, 1, 4], [1, 3, 4], [3, 2, 4], [2, 0, 4]],
+        in_segment: vec![true; 4],
+        diagonal: 1.0,
+        reach: 0.0,
+    };
     let f = fit(&chart.input(), &FitOptions::default()).unwrap();
     assert_eq!(f.report.cells, [1, 1]);
     assert!(f.surface.net().iter().all(|p| p.is_finite()));
@@ -329,17 +338,18 @@ fn degenerate_input_is_refused_precisely() {
 
 #[test]
 fn huge_and_tiny_numbers_end_in_a_fit_or_an_error() {
+    let options = FitOptions { knots: Knots { limit: 1000, ..Knots::default() }, ..FitOptions::default() };
     for s in [1e-300, 1e-160, 1e150, 1e300] {
         let mut chart = Chart::disc(9, 0.12, torus);
         chart.points.iter_mut().for_each(|x| *x *= s);
         chart.params.iter_mut().for_each(|p| *p *= s);
-        let _ = fit(&chart.input(), &FitOptions::default());
+        let _ = fit(&chart.input(), &options);
         chart.points = Chart::disc(9, 0.12, torus).points;
-        let _ = fit(&chart.input(), &FitOptions::default());
+        let _ = fit(&chart.input(), &options);
     }
     let mut chart = Chart::disc(9, 0.12, torus);
     chart.reach = 1e9;
-    let _ = fit(&chart.input(), &FitOptions::default());
+    let _ = fit(&chart.input(), &options);
 }
 
 #[test]

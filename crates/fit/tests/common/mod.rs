@@ -71,11 +71,17 @@ impl Chart {
         }
     }
 
-    /// Gaussian noise of standard deviation `sigma` per coordinate.
-    pub fn noisy(mut self, sigma: f64, seed: u64) -> Self {
+    /// Gaussian noise of standard deviation `sigma` per coordinate, or along the vertex normal only.
+    pub fn noisy(mut self, sigma: f64, seed: u64, normal: bool) -> Self {
         let mut noise = Noise(seed);
-        for x in &mut self.points {
-            *x += DVec3::new(noise.normal(), noise.normal(), noise.normal()) * sigma;
+        let mut normals = vec![DVec3::ZERO; self.points.len()];
+        for t in &self.triangles {
+            let [a, b, c] = t.map(|v| self.points[v as usize]);
+            t.iter().for_each(|&v| normals[v as usize] += (b - a).cross(c - a));
+        }
+        for (x, n) in self.points.iter_mut().zip(normals) {
+            let r = DVec3::new(noise.normal(), noise.normal(), noise.normal()) * sigma;
+            *x += if normal { n.normalize() * r.x } else { r };
         }
         self
     }
