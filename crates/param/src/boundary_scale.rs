@@ -8,7 +8,7 @@ use crate::tutte::{extend, laplacian};
 use crate::{ParamError, Parameterize};
 
 /// The free-boundary conformal map whose scale is 1 along the boundary: among conformal maps the one with the least range of
-/// scales.
+/// scales in the limit of fine meshes.
 ///
 /// Exact on planar and nearly exact on developable input. Flips are possible where the boundary crosses itself in the plane.
 ///
@@ -91,7 +91,7 @@ fn close_polygon(sheet: &Sheet<'_>, turning: &[f64], uv: &mut [DVec2]) -> Result
         gap += *t * l;
     }
     let det = xx * yy - xy * xy;
-    if !(det > f64::EPSILON * (xx + yy) * (xx + yy)) {
+    if det.is_nan() || det <= f64::EPSILON * (xx + yy) * (xx + yy) {
         return Err(ParamError::Singular { method: "BoundaryScaleOne", unknowns: 2 });
     }
     let y = DVec2::new(yy * gap.x - xy * gap.y, xx * gap.y - xy * gap.x) / det;

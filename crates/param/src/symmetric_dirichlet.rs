@@ -70,9 +70,9 @@ pub(crate) fn flips(sheet: &Sheet<'_>, uv: &[DVec2]) -> Option<(usize, usize)> {
     for (f, (v, flat)) in sheet.faces.iter().zip(&sheet.flats).enumerate() {
         let j = flat.jacobian(v.map(|v| uv[v as usize] / sheet.scale));
         let det = j[0].perp_dot(j[1]);
-        if !(det > 0.0) {
+        if det <= 0.0 || det.is_nan() {
             count += 1;
-            if !(det >= worst) {
+            if count == 1 || det < worst {
                 (worst, face) = (det, f);
             }
         }
