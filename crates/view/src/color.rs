@@ -1,0 +1,71 @@
+//! Colours: sRGB and linear light, the palette of patches, the diverging map.
+
+use glam::DVec3;
+use suture_surface::PatchKind;
+
+/// Linear light of an sRGB colour `0xRRGGBB`.
+pub(crate) fn linear(hex: u32) -> DVec3 {
+    let channel = |shift: u32| {
+        let c = f64::from(hex >> shift & 0xff) / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    };
+    DVec3::new(channel(16), channel(8), channel(0))
+}
+
+/// sRGB bytes of linear light, clamped.
+pub(crate) fn encode(color: DVec3) -> [u8; 3] {
+    color.to_array().map(|c| {
+        let s = if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        // The cast saturates and takes NaN to 0.
+        (255.0 * s).round() as u8
+    })
+}
+
+/// The colour of a kind of patch, after the figures of Wagner, Hormann and Greiner (2003).
+pub(crate) fn of_kind(kind: PatchKind) -> DVec3 {
+    linear(match kind {
+        PatchKind::Trimmed => 0x4a7fd0,
+        PatchKind::Strip { odd: false } => 0xcf3b35,
+        PatchKind::Strip { odd: true } => 0xf0938a,
+        PatchKind::AdjacentStrip => 0x4fae5a,
+        PatchKind::NBlend { .. } => 0xf6d13c,
+        _ => 0xb0b0b0,
+    })
+}
+
+/// ColorBrewer's RdBu with eleven classes (Brewer, Harrower 2002), from −1 (blue) to 1 (red): safe for colour-blind eyes.
+const DIVERGING: [u32; 11] = [
+    0x053061, 0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b,
+    0x67001f,
+];
+
+/// The diverging map at `x`, clamped to `[−1, 1]`; grey where `x` is not a number.
+pub(crate) fn diverging(x: f64) -> DVec3 {
+    if x.is_nan() {
+        return linear(0x808080);
+    }
+    let t = (x.clamp(-1.0, 1.0) + 1.0) * 5.0;
+    let i = (t as usize).min(9);
+    linear(DIVERGING[i]).lerp(linear(DIVERGING[i + 1]), t - i as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn srgb_round_trips() {
+        for hex in [0x000000, 0xffffff, 0x123456, 0x808080, 0x0a0b0c] {
+            let [r, g, b] = encode(linear(hex)).map(u32::from);
+            assert_eq!(r << 16 | g << 8 | b, hex);
+        }
+    }
+
+    #[test]
+    fn the_diverging_map_is_white_in_the_middle_and_clamped() {
+        assert_eq!(encode(diverging(0.0)), [0xf7; 3]);
+        assert_eq!(diverging(7.0), diverging(1.0));
+        assert_eq!(encode(diverging(-1.0)), [0x05, 0x30, 0x61]);
+        assert_eq!(encode(diverging(f64::NAN)), [0x80; 3]);
+    }
+}
