@@ -78,7 +78,7 @@ impl Distortion {
             if det > 0.0 {
                 least = least.min(det);
                 greatest = greatest.max(det);
-                let stretch = stretch(square, det);
+                let stretch = stretch(j, det);
                 if stretch > worst {
                     worst = stretch;
                     if new.flips == 0 {
@@ -121,11 +121,13 @@ pub(crate) fn check_uv(uv: &[DVec2], vertices: usize) -> Result<(), ParamError> 
     }
 }
 
-/// s₁ / s₂ from s₁² + s₂² and s₁ s₂ > 0.
-fn stretch(square: f64, det: f64) -> f64 {
-    // s₁/s₂ + s₂/s₁ = square / det.
-    let half = (0.5 * square / det).max(1.0);
-    half + ((half - 1.0) * (half + 1.0)).sqrt()
+/// s₁ / s₂ of a Jacobian with det > 0.
+fn stretch(j: [DVec2; 2], det: f64) -> f64 {
+    // s₁ = |conformal part| + |anticonformal part|; s₁² / det is exact to rounding near 1, where a formula in
+    // s₁² + s₂² has only half of the digits.
+    let conformal = (j[0].x + j[1].y).hypot(j[1].x - j[0].y);
+    let s1 = 0.5 * (conformal + (j[0].x - j[1].y).hypot(j[1].x + j[0].y));
+    s1 * s1 / det
 }
 
 /// Pairs of boundary edges that cross in the plane but are far apart in space (segmentation: farther than 2.5 median boundary
