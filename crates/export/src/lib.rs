@@ -1,1 +1,23 @@
-//! export
+//! Surfaces as files.
+//!
+#![doc = include_str!("../README.md")]
+//!
+//! # Conventions
+//!
+//! Lengths are those of the surface. Triangles are counter-clockwise seen from the side of `S_u × S_v`. The same surface and tessellation
+//! give the same bytes.
+
+#![forbid(unsafe_code)]
+
+mod error;
+mod format;
+mod glb;
+mod group;
+mod native;
+mod obj;
+
+pub use error::ExportError;
+pub use format::{Format, write};
+pub use glb::to_glb;
+pub use native::{Loader, SCHEMA, read_native, write_native};
+pub use obj::{to_mtl, to_obj};
