@@ -39,15 +39,24 @@ impl View {
         };
         let fitted = |back: DVec3, factor: f64| {
             let view = placed(centre, back);
-            let [tan_x, tan_y] = view.middle.map(|m| FILL * m / focal);
-            let distance = mesh.faces.iter().flatten().fold(0.0_f64, |far, &v| {
-                let d = mesh.positions[v as usize] - centre;
-                let (x, y) = (d.dot(view.right).abs(), d.dot(view.up).abs());
-                far.max(d.dot(back) + (x / tan_x).max(y / tan_y))
-            });
-            let distance = distance * factor;
+            let tan = view.middle.map(|m| FILL * m / focal);
+            // A vertex (x, y, z) is in the picture of an eye at (X, Y, Z) if |x − X| ≤ tan (Z − z), and alike for y: with the largest
+            // x + tan z and −x + tan z, half the difference centres the picture and half the sum is the least tan Z.
+            let mut reach = [[f64::NEG_INFINITY; 2]; 2];
+            for &v in mesh.faces.iter().flatten() {
+                let [x, y, depth] = view.local(mesh.positions[v as usize]);
+                for (axis, c) in [x, y].into_iter().enumerate() {
+                    for (side, c) in [c, -c].into_iter().enumerate() {
+                        reach[axis][side] = reach[axis][side].max(c - tan[axis] * depth);
+                    }
+                }
+            }
+            let [x, y] = reach.map(|[plus, minus]| 0.5 * (plus - minus));
+            let [dx, dy] = [0, 1].map(|axis| 0.5 * (reach[axis][0] + reach[axis][1]) / tan[axis]);
+            let distance = dx.max(dy) * factor;
+            let eye = centre + view.right * x + view.up * y + back * distance;
             // Close up, the near plane must come along.
-            Self { eye: centre + back * distance, near: view.near.min(1e-2 * distance), ..view }
+            Self { eye, near: view.near.min(1e-2 * distance), ..view }
         };
         Ok(match options.camera {
             Camera::LookAt { eye, target } => placed(eye, (eye - target).normalize()),

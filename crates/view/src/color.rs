@@ -33,19 +33,18 @@ pub(crate) fn of_kind(kind: PatchKind) -> DVec3 {
     })
 }
 
-/// ColorBrewer's RdBu with eleven classes (Brewer, Harrower 2002), from −1 (blue) to 1 (red): safe for colour-blind eyes.
-const DIVERGING: [u32; 11] = [
-    0x053061, 0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b,
-    0x67001f,
-];
+/// ColorBrewer's RdBu (Brewer, Harrower 2002) from −1 (blue) to 1 (red): safe for colour-blind eyes. The darkest of its eleven classes are
+/// left out at both ends: lit, they would be black.
+const DIVERGING: [u32; 9] =
+    [0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b];
 
 /// The diverging map at `x`, clamped to `[−1, 1]`; grey where `x` is not a number.
 pub(crate) fn diverging(x: f64) -> DVec3 {
     if x.is_nan() {
         return linear(0x808080);
     }
-    let t = (x.clamp(-1.0, 1.0) + 1.0) * 5.0;
-    let i = (t as usize).min(9);
+    let t = (x.clamp(-1.0, 1.0) + 1.0) * 4.0;
+    let i = (t as usize).min(7);
     linear(DIVERGING[i]).lerp(linear(DIVERGING[i + 1]), t - i as f64)
 }
 
@@ -65,7 +64,7 @@ mod tests {
     fn the_diverging_map_is_white_in_the_middle_and_clamped() {
         assert_eq!(encode(diverging(0.0)), [0xf7; 3]);
         assert_eq!(diverging(7.0), diverging(1.0));
-        assert_eq!(encode(diverging(-1.0)), [0x05, 0x30, 0x61]);
+        assert_eq!(encode(diverging(-1.0)), [0x21, 0x66, 0xac]);
         assert_eq!(encode(diverging(f64::NAN)), [0x80; 3]);
     }
 }

@@ -71,7 +71,7 @@ pub enum Shade {
 pub enum Camera {
     /// Of eight directions slightly from above, the one that sees the largest area; distance as for [`Camera::Orbit`].
     Auto,
-    /// Around the centre of the box around the mesh.
+    /// Around the mesh, which is in the middle of the picture.
     Orbit {
         /// Angle around the up axis, radians, counter-clockwise seen from above. For up = Z, 0 looks from +X, π/2 from +Y.
         azimuth: f64,
