@@ -36,6 +36,10 @@ pub use maps::{CornerMapSet, CornerMaps, MapSet, StripMaps};
 pub use metric::isometry;
 pub use network::{ArcCurve, ArcEnd, ArcSample, Corner, Network};
 pub use paper::PaperMaps;
-pub use patches::{NBlend, Strip, Trimmed, load};
+pub use patches::{NBlend, RECORDS, Strip, Trimmed, load};
 pub use polynomial::PlanePolynomial;
 pub use widths::{Intent, WidthOptions, Widths, admissible, outward_reach, reach};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -306,3 +306,55 @@ fn end_node(strip: &BezierPatch<DVec2>, reversed: bool) -> Node {
     // The second derivative vanishes there: rows 0 to 3 of the layout are equally spaced.
     Node { dd: vec![DVec2::ZERO; p.len()], p, d }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn determinant(net: &[[DVec2; 2]; 6], at: DVec2) -> f64 {
+        let jet = BezierPatch::new([5, 1], net.concat()).unwrap().jet(at);
+        jet.du.perp_dot(jet.dv)
+    }
+
+    #[test]
+    fn connection_points_lie_where_the_specification_says() {
+        for (n, want) in [(3, 1.107), (4, 1.917), (5, 2.637), (6, 3.320)] {
+            let got = Layout::new(n, TAU / n as f64, 2.0 / 3.0).connection();
+            assert!((got - want).abs() < 5e-4, "N = {n}: {got}");
+        }
+        assert!((Layout::new(3, 20f64.to_radians(), 2.0 / 3.0).connection() - 5.7).abs() < 0.05);
+    }
+
+    #[test]
+    fn rays_divide_the_end_lines_and_strips_do_not_fold() {
+        for n in 3..=6 {
+            for degrees in (20..=340).step_by(20) {
+                let alpha = f64::from(degrees).to_radians();
+                for inner in [0.5, 2.0 / 3.0] {
+                    let layout = Layout::new(n, alpha, inner);
+                    let (sigma, kappa) = (0.5 * alpha).sin_cos();
+                    let shift = DVec2::new(0.0, layout.shift);
+                    // ↑ lies towards −U: its ray points along (−σ, κ), that of ↓ along (σ, κ).
+                    for (net, ray, inside) in
+                        [(&layout.up, DVec2::new(-sigma, kappa), 1), (&layout.down, DVec2::new(sigma, kappa), 0)]
+                    {
+                        let (p_in, p_out) = (net[0][inside] + shift, net[0][1 - inside] + shift);
+                        let on = p_in * (1.0 - inner) + p_out * inner;
+                        assert!(on.perp_dot(ray).abs() < 1e-14 && on.dot(ray) > 0.0, "N = {n}, {degrees}°");
+                        assert!((p_in.distance(p_out) - 1.0).abs() < 1e-14);
+                        for j in 0..2 {
+                            let along = net[1][j] - net[0][j];
+                            assert!(along.perp_dot(ray).abs() < 1e-14 && along.dot(ray) < 0.0);
+                        }
+                        for i in 0..=8 {
+                            for j in 0..=8 {
+                                let at = DVec2::new(f64::from(i), f64::from(j)) / 8.0;
+                                assert!(determinant(net, at) > 0.0, "N = {n}, {degrees}°, {at}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -169,7 +169,8 @@ impl Patch for Trimmed {
     }
 }
 
-/// Names under which records of these patches are stored.
+/// Names under which records of these patches are stored: what [`load`] reads.
+pub const RECORDS: [&str; 3] = [STRIP, N_BLEND, TRIMMED];
 const STRIP: &str = "blend.strip";
 const N_BLEND: &str = "blend.n_blend";
 const TRIMMED: &str = "blend.trimmed";

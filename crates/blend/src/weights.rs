@@ -118,3 +118,106 @@ fn multinomial([i, j, k]: [usize; 3]) -> f64 {
     const FACTORIAL: [f64; DEGREE + 1] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0];
     FACTORIAL[i + j + k] / (FACTORIAL[i] * FACTORIAL[j] * FACTORIAL[k])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entries(j: &Jet2<f64>) -> [f64; 6] {
+        [j.p, j.du, j.dv, j.duu, j.duv, j.dvv]
+    }
+
+    #[track_caller]
+    fn check_near(got: &Jet2<f64>, want: &Jet2<f64>) {
+        for (g, w) in entries(got).into_iter().zip(entries(want)) {
+            // Second derivatives of the weights reach about 50.
+            assert!((g - w).abs() < 1e-11, "{got:?} ≠ {want:?}");
+        }
+    }
+
+    #[test]
+    fn strip_weights_are_the_smoothest_step() {
+        let [down, up] = strip(0.0);
+        assert_eq!((entries(&down), entries(&up)), ([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 6]));
+        for v in [0.0, 1e-3, 0.2, 0.5, 0.9, 1.0] {
+            let ([a, b], [c, d]) = (strip(v), strip(1.0 - v));
+            assert_eq!(a.p + b.p, 1.0);
+            assert!((a.p - d.p).abs() < 1e-15 && (b.p - c.p).abs() < 1e-15 && (a.dv + d.dv).abs() < 1e-13);
+        }
+        // ∫ (v³ (1 − v)³) normalised: H↑(v) = v⁴ (35 − 84 v + 70 v² − 20 v³).
+        let v: f64 = 0.3;
+        let want = v.powi(4) * (35.0 - 84.0 * v + 70.0 * v * v - 20.0 * v.powi(3));
+        assert!((strip(v)[1].p - want).abs() < 1e-15);
+    }
+
+    #[test]
+    fn n_blend_weights_sum_to_one() {
+        for n in 3..=8 {
+            for k in 0..40 {
+                let at = DVec2::from_angle(0.37 * f64::from(k)) * (0.012 * f64::from(k));
+                let sum = n_blend(n, at)[..n].iter().fold(Jet2::default(), |s, w| s.add(*w));
+                check_near(&sum, &Jet2::constant(1.0));
+            }
+        }
+    }
+
+    #[test]
+    fn n_blend_weights_turn_and_mirror() {
+        for n in 3..=8 {
+            let at = DVec2::new(0.13, 0.21);
+            let here = n_blend(n, at);
+            let turned = n_blend(n, gon::rotation(n, 1).rotate(at));
+            let mirrored = n_blend(n, DVec2::new(-at.x, at.y));
+            for i in 0..n {
+                assert!((here[i].p - turned[(i + 1) % n].p).abs() < 1e-14, "H24, N = {n}");
+                assert!((here[i].p - mirrored[(n - i) % n].p).abs() < 1e-14, "H25, N = {n}");
+            }
+        }
+    }
+
+    #[test]
+    fn n_blend_weights_are_those_of_the_strips_on_the_edges() {
+        for n in 3..=8 {
+            let r = gon::corners(n);
+            for j in 0..n {
+                let (a, b) = (r[j], r[(j + 1) % n]);
+                let inward = -(a + b).normalize();
+                for k in 0..=10 {
+                    let t = f64::from(k) / 10.0;
+                    // The strip there has V = 0 at R_{j+1}, whose surface is its ↓.
+                    let want = strip(1.0 - t);
+                    let got = n_blend(n, a * (1.0 - t) + b * t);
+                    for i in 0..n {
+                        let value = match i {
+                            i if i == (j + 1) % n => want[0].p,
+                            i if i == j => want[1].p,
+                            _ => 0.0,
+                        };
+                        assert!((got[i].p - value).abs() < 1e-14, "H16, N = {n}, edge {j}, weight {i}");
+                        let first = got[i].du * inward.x + got[i].dv * inward.y;
+                        let second = got[i].duu * inward.x * inward.x
+                            + 2.0 * got[i].duv * inward.x * inward.y
+                            + got[i].dvv * inward.y * inward.y;
+                        assert!(first.abs() < 1e-12 && second.abs() < 1e-10, "H17, H18: {first:e} {second:e}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn n_blend_weights_are_c2_inside() {
+        for n in 3..=8 {
+            for j in 0..n {
+                let ray = gon::rotation(n, j).rotate(DVec2::Y);
+                for radius in [0.0, 0.1, 0.3, 0.45] {
+                    let side = |turn: f64| n_blend(n, DVec2::from_angle(turn).rotate(ray * radius));
+                    let (a, b) = (side(-1e-14), side(1e-14));
+                    for i in 0..n {
+                        check_near(&a[i], &b[i]);
+                    }
+                }
+            }
+        }
+    }
+}

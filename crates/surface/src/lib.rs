@@ -19,3 +19,7 @@ pub use patch::{Patch, PatchKind};
 pub use record::{Record, RecordError, SplinePool};
 pub use surface::{Continuity, EdgeRef, PatchId, Seam, Surface, SurfaceError};
 pub use suture_bernstein::Jet2;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,0 +1,227 @@
+//! The arguments, as documented by `--help`, the man page and the shell completions.
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use serde::Serialize;
+
+/// Sew smooth surfaces over triangle meshes, with a measured certificate of every seam.
+#[derive(Parser, Debug)]
+#[command(
+    version,
+    about,
+    after_help = "Exit codes: 0 good; 1 the result failed its own checks; 2 the arguments or the input are not usable; \
+                  3 internal error; 130 interrupted.\nLengths given on the command line are relative to the diagonal of the \
+                  mesh's bounding box."
+)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+#[derive(Subcommand, Debug)]
+pub(crate) enum Command {
+    /// Reconstruct a closed triangle mesh as a C² surface of few patches
+    Reconstruct(Box<Reconstruct>),
+    /// Cut a closed triangle mesh into disc charts and write their labels
+    Segment(Segment),
+    /// Report every defect of a mesh
+    Check(Check),
+    /// Measure the seams of a saved surface, and its distance from a mesh
+    Certify(Certify),
+    /// Print a completion script for a shell
+    #[command(hide = true)]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page
+    #[command(hide = true)]
+    Man,
+    /// Print the JSON schema of the report
+    #[command(hide = true)]
+    Schema,
+}
+
+#[derive(ClapArgs, Debug, Clone)]
+pub(crate) struct Common {
+    /// Print nothing but errors
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+    /// Write a report of everything measured
+    #[arg(long, global = true, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    /// Number of threads; the result does not depend on it
+    #[arg(long, global = true, value_name = "N")]
+    pub(crate) threads: Option<usize>,
+}
+
+#[derive(ClapArgs, Debug, Serialize)]
+pub(crate) struct Reconstruct {
+    /// The mesh: .obj, .stl, .ply or .off; without it a built-in shape is taken and everything is written to suture-out/
+    #[serde(skip)]
+    pub(crate) input: Option<PathBuf>,
+    /// Where to write; the extension names the format: .glb .obj .ply .stl, .json (lossless), .png; may be repeated
+    #[arg(long, short, value_name = "FILE")]
+    #[serde(skip)]
+    pub(crate) output: Vec<PathBuf>,
+    /// Repair first what can be repaired safely: weld equal vertices, orient faces, drop isolated vertices and degenerate or duplicate faces
+    #[arg(long)]
+    pub(crate) repair: bool,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) segmentation: Segmentation,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) shape: Shape,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) picture: Picture,
+}
+
+/// Where the segments come from.
+#[derive(ClapArgs, Debug, Serialize)]
+pub(crate) struct Segmentation {
+    /// One label per face of the mesh, one per line
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["waypoints", "charts"])]
+    pub(crate) labels: Option<PathBuf>,
+    /// Paths through vertices, one path of vertex numbers (from 0) per line, joined by shortest paths that prefer creases
+    #[arg(long, value_name = "FILE", conflicts_with = "charts")]
+    pub(crate) waypoints: Option<PathBuf>,
+    /// With --waypoints: exponent of the preference for creases (1 as the paper prints it)
+    #[arg(long, value_name = "Q", default_value_t = 1.0, requires = "waypoints")]
+    pub(crate) crease_exponent: f64,
+    /// Aim for this number of segments
+    #[arg(long, value_name = "N")]
+    pub(crate) charts: Option<usize>,
+}
+
+/// What the surface is to be like.
+#[derive(ClapArgs, Debug, Serialize)]
+pub(crate) struct Shape {
+    /// Lie where the mesh lies, or round its edges
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) intent: Intent,
+    /// How far blends reach into a segment
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) d_in: Option<f64>,
+    /// How far blends reach out of a segment
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) d_out: Option<f64>,
+    /// Shortest strip
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) d_min: Option<f64>,
+    /// Step along the second differences by which points of arcs are moved
+    #[arg(long, value_name = "FACTOR")]
+    pub(crate) d_curv: Option<f64>,
+    /// Root mean square distance that fits aim at
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) tolerance: Option<f64>,
+    /// Order of the fairness energy: 3, or 2 as in the paper
+    #[arg(long, value_name = "ORDER", default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
+    pub(crate) energy: u8,
+    /// Weight of the fairness energy: gcv, floor, floater (as in the paper), or a number
+    #[arg(long, value_name = "RULE", default_value = "gcv")]
+    pub(crate) smoothing: String,
+    /// How segments are flattened
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) parameterization: Parameterization,
+    /// Let arcs follow the mesh edges, as in the paper, instead of fair curves on the mesh
+    #[arg(long)]
+    pub(crate) edge_arcs: bool,
+    /// Largest distance of the tessellation's chords from the surface
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) chord: Option<f64>,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Intent {
+    /// Blends as wide outside as inside a segment
+    #[default]
+    Fidelity,
+    /// Blends twice as wide inside: edges become fillets
+    Fillet,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Parameterization {
+    /// Conformal with boundary scale 1, then symmetric Dirichlet where the distortion asks for it
+    #[default]
+    Recommended,
+    /// Least-squares conformal with two pins, as in the paper
+    Lscm,
+    /// Least-squares conformal without pins
+    Spectral,
+}
+
+/// How pictures (.png) are drawn.
+#[derive(ClapArgs, Debug, Serialize)]
+pub(crate) struct Picture {
+    /// What a picture shows
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) shade: Shade,
+    /// Camera: degrees around the vertical axis
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub(crate) azimuth: Option<f64>,
+    /// Camera: degrees above the horizon
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub(crate) elevation: Option<f64>,
+    /// Width and height of pictures in pixels
+    #[arg(long, value_name = "WxH", default_value = "800x600")]
+    pub(crate) size: String,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Shade {
+    /// Patches in the colours of the paper
+    #[default]
+    Patches,
+    /// Reflection lines
+    Reflection,
+    /// Lines of equal angle to the light
+    Isophotes,
+    /// Mean curvature
+    Curvature,
+    /// One colour
+    Lit,
+}
+
+#[derive(ClapArgs, Debug, Serialize)]
+pub(crate) struct Segment {
+    /// The mesh
+    #[serde(skip)]
+    pub(crate) input: PathBuf,
+    /// Where to write the labels, one per face and line
+    #[arg(long, short, value_name = "FILE")]
+    #[serde(skip)]
+    pub(crate) output: Option<PathBuf>,
+    /// Repair first what can be repaired safely
+    #[arg(long)]
+    pub(crate) repair: bool,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) segmentation: Segmentation,
+}
+
+#[derive(ClapArgs, Debug)]
+pub(crate) struct Check {
+    /// The mesh
+    pub(crate) input: PathBuf,
+    /// Write the mesh after all safe repairs to this file
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+#[derive(ClapArgs, Debug)]
+pub(crate) struct Certify {
+    /// The surface, as written by `reconstruct -o NAME.json`
+    pub(crate) surface: PathBuf,
+    /// Also measure the distance from this mesh
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mesh: Option<PathBuf>,
+}

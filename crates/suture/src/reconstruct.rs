@@ -1,0 +1,362 @@
+//! A closed triangle mesh in, a certified C² surface out: the stages in their order, and the plain data between them.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use glam::DVec2;
+use rayon::prelude::*;
+use suture_blend::{ArcCurve, ArcEnd, ArcSample, Blend, Corner, CornerMaps, Network, PaperMaps, WidthOptions};
+use suture_certify::{Certificate, CertifyOptions, Deviation, SurfaceSamples, certify, deviation};
+use suture_fit::{Fit, FitInput, FitOptions, FitSurface, PenalizedLeastSquares};
+use suture_mesh::{Topology, TriMesh};
+use suture_param::{Chart, CollarOptions, Limits, Parameterize, Recommended, disc_with_collar};
+use suture_segment::{Automatic, FairOptions, MeshPoint, Segment, Segmentation, fair_arcs};
+use suture_tessellate::{Tessellation, TessellationOptions, tessellate};
+
+use crate::{Stage, SutureError, Watch};
+
+/// The stages that can be swapped; the defaults are the best ones known.
+pub struct Stages<'a> {
+    /// Mesh → segments.
+    pub segment: Box<dyn Segment + 'a>,
+    /// Segment → parameters.
+    pub parameterize: Box<dyn Parameterize + Sync + 'a>,
+    /// Chart → B-spline.
+    pub fit: Box<dyn FitSurface + Sync + 'a>,
+    /// B-splines → maps.
+    pub maps: Box<dyn CornerMaps + 'a>,
+}
+
+impl Default for Stages<'_> {
+    fn default() -> Self {
+        Self {
+            segment: Box::new(Automatic::default()),
+            parameterize: Box::new(Recommended::default()),
+            fit: Box::new(PenalizedLeastSquares { options: FitOptions::default() }),
+            maps: Box::new(PaperMaps),
+        }
+    }
+}
+
+/// What a reconstruction is asked for beyond its stages.
+#[derive(Clone, Debug, Default)]
+pub struct ReconstructOptions {
+    /// Widths of the blends.
+    pub widths: WidthOptions,
+    /// Arcs as fair curves on the mesh; `None` follows the mesh edges, as the paper does.
+    pub fair: Fairness,
+    /// Fineness of the tessellation.
+    pub tessellation: TessellationOptions,
+    /// Density and limits of the certificate.
+    pub certify: CertifyOptions,
+}
+
+/// How arcs are taken from the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fairness {
+    /// Along the mesh edges, as the paper does.
+    Edges,
+    /// As fair curves on the mesh.
+    Fair(FairOptions),
+}
+
+impl Default for Fairness {
+    fn default() -> Self {
+        Self::Fair(FairOptions::default())
+    }
+}
+
+/// A reconstructed surface with every stage's product.
+#[derive(Debug)]
+pub struct Reconstruction {
+    /// Segments, corners and arcs.
+    pub segmentation: Segmentation,
+    /// Chart of every segment, in the parameters of its B-spline.
+    pub charts: Vec<Chart>,
+    /// B-spline of every segment, with its report.
+    pub fits: Vec<Fit>,
+    /// The surface, with the numbers of its making.
+    pub blend: Blend,
+    /// One watertight mesh of it.
+    pub tessellation: Tessellation,
+    /// How its seams join.
+    pub certificate: Certificate,
+    /// How far it lies from the mesh.
+    pub deviation: Deviation,
+    /// Seconds per stage.
+    pub seconds: BTreeMap<&'static str, f64>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Reconstructs a closed, connected, oriented manifold mesh.
+///
+/// # Errors
+/// [`SutureError`], naming the stage and the segment, arc, corner or face where it stopped.
+pub fn reconstruct(
+    mesh: &TriMesh,
+    stages: &Stages<'_>,
+    options: &ReconstructOptions,
+    watch: &dyn Watch,
+) -> Result<Reconstruction, SutureError> {
+    let mut clock = Clock { seconds: BTreeMap::new(), watch };
+    let mut warnings = Vec::new();
+    let topology = clock.run(Stage::Mesh, 1, || Ok(Topology::build(mesh)?))?;
+    let diagonal = mesh.diagonal();
+    let segmentation = clock.run(Stage::Segment, 1, || Ok(stages.segment.segment(mesh, &topology)?))?;
+
+    let (charts, fits, lines) = clock.run(Stage::Fit, segmentation.charts.len(), || {
+        let lines = arc_lines(mesh, &topology, &segmentation, options.fair);
+        let collars = collar_widths(&segmentation, &lines, &options.widths, diagonal);
+        let (parameterize, fit) = (stages.parameterize.as_ref(), stages.fit.as_ref());
+        let charted: Vec<(Chart, Fit)> = (0..segmentation.charts.len())
+            .into_par_iter()
+            .map(|s| {
+                if watch.interrupted() {
+                    return Err(SutureError::Interrupted);
+                }
+                let charted = chart(mesh, &topology, &segmentation, s, collars[s], parameterize, fit, options);
+                watch.step();
+                charted
+            })
+            .collect::<Vec<_>>()
+            .into_iter()
+            .collect::<Result<_, _>>()?;
+        let (charts, fits): (Vec<_>, Vec<_>) = charted.into_iter().unzip();
+        Ok((charts, fits, lines))
+    })?;
+    let blend = clock.run(Stage::Blend, 1, || {
+        let network = network(mesh, &topology, &segmentation, &charts, &fits, lines, diagonal, &mut warnings)?;
+        Ok(suture_blend::blend(&network, stages.maps.as_ref(), &options.widths)?)
+    })?;
+    let tessellation =
+        clock.run(Stage::Tessellate, 1, || Ok(tessellate(&blend.surface, &options.tessellation)?))?;
+    let certificate =
+        clock.run(Stage::Certify, 1, || Ok(certify(&blend.surface, diagonal, &options.certify)?))?;
+    let deviation = clock.run(Stage::Deviation, 1, || {
+        Ok(deviation(mesh, &blend.surface, &samples(&tessellation))?)
+    })?;
+    let seconds = clock.seconds;
+    Ok(Reconstruction { segmentation, charts, fits, blend, tessellation, certificate, deviation, seconds, warnings })
+}
+
+/// A tessellation as the plain data that the deviation is measured on.
+pub fn samples(tessellation: &Tessellation) -> SurfaceSamples<'_> {
+    SurfaceSamples {
+        positions: &tessellation.mesh.positions,
+        triangles: &tessellation.mesh.faces,
+        triangle_patch: &tessellation.triangle_patch,
+        corner_parameters: &tessellation.corner_parameters,
+    }
+}
+
+struct Clock<'a> {
+    seconds: BTreeMap<&'static str, f64>,
+    watch: &'a dyn Watch,
+}
+
+impl Clock<'_> {
+    fn run<T>(
+        &mut self,
+        stage: Stage,
+        steps: usize,
+        work: impl FnOnce() -> Result<T, SutureError>,
+    ) -> Result<T, SutureError> {
+        if self.watch.interrupted() {
+            return Err(SutureError::Interrupted);
+        }
+        self.watch.begin(stage, steps);
+        let start = Instant::now();
+        let result = work();
+        self.seconds.insert(stage.name(), start.elapsed().as_secs_f64());
+        result
+    }
+}
+
+/// An arc as a polyline on the mesh; the two sides may name different faces for one point.
+struct ArcLine {
+    left: Vec<MeshPoint>,
+    right: Vec<MeshPoint>,
+}
+
+fn arc_lines(mesh: &TriMesh, topology: &Topology, segmentation: &Segmentation, fair: Fairness) -> Vec<ArcLine> {
+    match fair {
+        Fairness::Fair(options) => fair_arcs(mesh, topology, segmentation, &options)
+            .into_iter()
+            .map(|line| ArcLine { left: line.clone(), right: line })
+            .collect(),
+        Fairness::Edges => {
+            segmentation.arcs.iter().map(|arc| edge_line(mesh, topology, &arc.vertices)).collect()
+        }
+    }
+}
+
+/// The chain of edges itself: its vertices in the faces on either side, so that both charts surely know them.
+fn edge_line(mesh: &TriMesh, topology: &Topology, chain: &[u32]) -> ArcLine {
+    let side = |left: bool| {
+        (0..chain.len())
+            .filter_map(|i| {
+                let (a, b) = if i + 1 < chain.len() { (chain[i], chain[i + 1]) } else { (chain[i - 1], chain[i]) };
+                let h = if left { topology.half_edge(a, b) } else { topology.half_edge(b, a) }?;
+                let face = topology.face(h);
+                let barycentric = mesh.faces[face as usize].map(|v| if v == chain[i] { 1.0 } else { 0.0 });
+                Some(MeshPoint { face, barycentric, position: mesh.positions[chain[i] as usize] })
+            })
+            .collect()
+    };
+    ArcLine { left: side(true), right: side(false) }
+}
+
+fn length(line: &[MeshPoint]) -> f64 {
+    line.windows(2).map(|w| w[0].position.distance(w[1].position)).sum()
+}
+
+/// Width of the collar of every segment: how far blends will reach out of it.
+fn collar_widths(
+    segmentation: &Segmentation,
+    lines: &[ArcLine],
+    widths: &WidthOptions,
+    diagonal: f64,
+) -> Vec<f64> {
+    let valences: Vec<usize> = segmentation.corners.iter().map(|c| c.arcs.len()).collect();
+    let given = match (widths.d_in, widths.d_out) {
+        (None, None) => None,
+        (i, o) => Some(2.0 * i.unwrap_or(0.0).max(o.unwrap_or(0.0)) * diagonal),
+    };
+    let corner = match given {
+        Some(width) => vec![width; valences.len()],
+        None => {
+            let arcs: Vec<_> = segmentation
+                .arcs
+                .iter()
+                .zip(lines)
+                .map(|(arc, line)| (arc.corners, length(&line.left)))
+                .collect();
+            suture_blend::admissible(&valences, &arcs, widths.wanted * diagonal)
+        }
+    };
+    let mut collars = vec![0.0_f64; segmentation.charts.len()];
+    for (c, &width) in corner.iter().enumerate() {
+        for segment in segmentation.segments(c) {
+            let collar = &mut collars[segment as usize];
+            *collar = collar.max(width * suture_blend::outward_reach(valences[c]));
+        }
+    }
+    collars
+}
+
+/// Most rings of a collar: a bound for meshes whose triangles are tiny against the width of the blends.
+const MAX_RINGS: usize = 200;
+
+fn chart(
+    mesh: &TriMesh,
+    topology: &Topology,
+    segmentation: &Segmentation,
+    segment: usize,
+    collar: f64,
+    parameterize: &(dyn Parameterize + Sync),
+    fit: &(dyn FitSurface + Sync),
+    options: &ReconstructOptions,
+) -> Result<(Chart, Fit), SutureError> {
+    let wrong = |source| SutureError::Chart { segment, source };
+    let sharp = match options.widths.intent {
+        suture_blend::Intent::Fidelity => CollarOptions::default().sharp,
+        suture_blend::Intent::Fillet => std::f64::consts::PI,
+    };
+    let collar_options = CollarOptions { width: collar, max_rings: MAX_RINGS, sharp };
+    let disc = disc_with_collar(mesh, topology, &segmentation.charts[segment].faces, &collar_options)
+        .map_err(wrong)?;
+    let chart = Chart::flatten(disc, &parameterize, &Limits::default()).map_err(wrong)?;
+    // Where the collar stops short (a crease, a handle), the B-spline continues on its own.
+    let reach = (collar - chart.disc.reach.unwrap_or(0.0)).max(0.0);
+    let input = FitInput {
+        points: &chart.disc.positions,
+        params: &chart.uv,
+        triangles: &chart.disc.faces,
+        in_segment: &chart.disc.in_segment,
+        diagonal: mesh.diagonal(),
+        reach,
+    };
+    let fit = fit.fit(&input).map_err(|source| SutureError::Fit { segment, source })?;
+    let chart = chart.with_uv(fit.params.clone()).map_err(wrong)?;
+    Ok((chart, fit))
+}
+
+fn network(
+    mesh: &TriMesh,
+    topology: &Topology,
+    segmentation: &Segmentation,
+    charts: &[Chart],
+    fits: &[Fit],
+    lines: Vec<ArcLine>,
+    diagonal: f64,
+    warnings: &mut Vec<String>,
+) -> Result<Network, SutureError> {
+    let arcs = segmentation
+        .arcs
+        .iter()
+        .zip(lines)
+        .enumerate()
+        .map(|(a, (arc, line))| {
+            let start = segmentation.corners[arc.corners[0]].vertex;
+            let sides = |line: &ArcLine| {
+                let left = parameters(&charts[arc.left as usize], start, &line.left)?;
+                let right = parameters(&charts[arc.right as usize], start, &line.right)?;
+                Some((left, right))
+            };
+            let (line, (left, right)) = match sides(&line) {
+                Some(found) => (line, found),
+                None => {
+                    warnings.push(format!(
+                        "arc {a}: its fair curve leaves the charts beside it; the mesh edges are used instead"
+                    ));
+                    let line = edge_line(mesh, topology, &arc.vertices);
+                    let found = sides(&line).ok_or_else(|| SutureError::Internal {
+                        what: format!("the charts beside arc {a} lack one of its vertices"),
+                    })?;
+                    (line, found)
+                }
+            };
+            let samples = line
+                .left
+                .iter()
+                .zip(left.into_iter().zip(right))
+                .map(|(point, (left, right))| ArcSample { position: point.position, left, right })
+                .collect();
+            let (left, right) = (arc.left as usize, arc.right as usize);
+            Ok(ArcCurve { corners: arc.corners, left, right, samples })
+        })
+        .collect::<Result<_, SutureError>>()?;
+    let corners = segmentation
+        .corners
+        .iter()
+        .map(|corner| Corner {
+            arcs: corner.arcs.iter().map(|e| ArcEnd { arc: e.arc, starts: e.forward }).collect(),
+        })
+        .collect();
+    let surfaces = fits.iter().map(|f| std::sync::Arc::new(f.surface.clone())).collect();
+    Ok(Network { surfaces, corners, arcs, diagonal })
+}
+
+/// Parameters of a polyline that starts at mesh vertex `start` on the border of the segment. Of several copies of a face in the
+/// collar the one that continues the line is meant. `None` where a face is not in the chart.
+fn parameters(chart: &Chart, start: u32, line: &[MeshPoint]) -> Option<Vec<DVec2>> {
+    let disc = &chart.disc;
+    let corner = disc
+        .faces
+        .iter()
+        .zip(&disc.in_segment)
+        .filter(|(_, inside)| **inside)
+        .flat_map(|(face, _)| *face)
+        .find(|&v| disc.vertices[v as usize] == start)?;
+    let mut at = chart.uv[corner as usize];
+    line.iter()
+        .map(|point| {
+            at = chart
+                .copies(point.face)
+                .map(|copy| chart.at(copy, point.barycentric))
+                .min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)))?;
+            Some(at)
+        })
+        .collect()
+}

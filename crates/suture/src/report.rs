@@ -1,0 +1,352 @@
+//! The report: the contract between this program and every other one. Keys are stable, more may be added.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use suture_certify::{Certificate, Deviation, Stats};
+use suture_mesh::TriMesh;
+use suture_surface::{Continuity, PatchKind};
+use suture_tessellate::Tessellation;
+
+use crate::{Reconstruction, SutureError};
+
+/// Version of the report's form: raised when a key changes its meaning or goes away.
+pub const SCHEMA: u32 = 1;
+
+/// What a command found. Lengths are relative to the diagonal of the input's bounding box, angles in radians.
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
+pub struct Report {
+    /// Version of the program.
+    pub suture: String,
+    /// Version of the report's form.
+    pub schema: u32,
+    /// The command.
+    pub command: String,
+    /// The input as given; none for the built-in shape.
+    pub input_file: Option<String>,
+    /// The mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub input: Option<InputReport>,
+    /// The patches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceReport>,
+    /// The seams.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<CertificateReport>,
+    /// The distances.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deviation: Option<DeviationReport>,
+    /// The fits, one per segment.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fits: Vec<FitSummary>,
+    /// The tessellation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tessellation: Option<TessellationReport>,
+    /// Seconds per stage, and in total.
+    pub seconds: BTreeMap<String, f64>,
+    /// Largest resident memory of the process so far, where the system tells.
+    pub peak_memory_bytes: Option<u64>,
+    /// Threads used.
+    pub threads: usize,
+    /// The settings in force, by name.
+    pub settings: serde_json::Map<String, serde_json::Value>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// Files written.
+    pub outputs: Vec<String>,
+    /// Present when the command failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<ErrorReport>,
+}
+
+/// The mesh that went in.
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
+pub struct InputReport {
+    /// Vertices used by faces.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Genus of the oriented manifold, none if it is not one.
+    pub genus: Option<usize>,
+    /// Closed boundary curves.
+    pub boundary_loops: usize,
+    /// Connected components.
+    pub components: usize,
+    /// Diagonal of the bounding box, in the units of the file.
+    pub diagonal: f64,
+}
+
+/// The patches that came out.
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
+pub struct SurfaceReport {
+    /// Segments.
+    pub charts: usize,
+    /// Corners.
+    pub corners: usize,
+    /// Arcs.
+    pub arcs: usize,
+    /// Patches by kind.
+    pub patches: BTreeMap<String, usize>,
+    /// Patches when the strips of one arc count as one.
+    pub patches_merged: usize,
+    /// Smallest and largest width of a blend.
+    pub widths: Option<[f64; 2]>,
+    /// Smallest Jacobian of a strip map relative to its largest.
+    pub smallest_jacobian: Option<f64>,
+}
+
+/// The certificate of the seams.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct CertificateReport {
+    /// The order that the maker of the surface claims, for example `"C2"`.
+    pub claimed: String,
+    /// The order that was measured; none if even positions disagree.
+    pub measured: Option<String>,
+    /// Largest gap.
+    pub position: f64,
+    /// Largest angle between normals.
+    pub normal: f64,
+    /// Largest jump of the shape operator relative to the largest curvature beside it.
+    pub curvature: f64,
+    /// Smallest `|S_u × S_v| / (|S_u| |S_v|)`.
+    pub regularity: f64,
+    /// Largest principal curvature times the diagonal.
+    pub largest_curvature: f64,
+    /// Number of seams.
+    pub seams: usize,
+}
+
+/// Distances between mesh and surface.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct DeviationReport {
+    /// From the vertices of the mesh to the surface: the fidelity.
+    pub mesh_to_surface: DistanceReport,
+    /// From the surface to the facets of the mesh: their sagitta is its floor.
+    pub surface_to_mesh: DistanceReport,
+    /// From the vertices to the surface, by the kind of the nearest patch.
+    pub kinds: BTreeMap<String, DistanceReport>,
+}
+
+/// Statistics of a distance.
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+pub struct DistanceReport {
+    /// Mean.
+    pub mean: f64,
+    /// Root mean square.
+    pub rms: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// The fit of one segment.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct FitSummary {
+    /// Vertices that were fitted, collar included.
+    pub points: usize,
+    /// Polynomial pieces in either direction.
+    pub cells: [usize; 2],
+    /// Root mean square distance of the segment's vertices.
+    pub rms: f64,
+    /// Largest distance of the segment's vertices.
+    pub max: f64,
+    /// Why the refinement of knots stopped.
+    pub outcome: String,
+    /// Largest over smallest ratio of parameter area to area.
+    pub area_ratio: f64,
+}
+
+/// The tessellation.
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+pub struct TessellationReport {
+    /// Vertices.
+    pub vertices: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// No boundary.
+    pub closed: bool,
+    /// Every edge has at most two triangles, every vertex one fan.
+    pub manifold: bool,
+    /// Neighbours agree in orientation.
+    pub oriented: bool,
+    /// Genus, none if not closed.
+    pub genus: Option<usize>,
+}
+
+/// Why a command failed.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct ErrorReport {
+    /// Stable name of the kind of error.
+    pub kind: String,
+    /// The message that people read.
+    pub message: String,
+    /// Where, if it is one place.
+    pub at: Option<String>,
+}
+
+impl Report {
+    /// An empty report of a command.
+    pub fn new(command: &str, input: Option<&Path>) -> Self {
+        Self {
+            suture: env!("CARGO_PKG_VERSION").into(),
+            schema: SCHEMA,
+            command: command.into(),
+            input_file: input.map(|p| p.display().to_string()),
+            threads: rayon::current_num_threads(),
+            ..Self::default()
+        }
+    }
+
+    /// Enters the mesh.
+    pub fn describe_mesh(&mut self, mesh: &TriMesh) {
+        let report = suture_mesh::check(mesh);
+        self.input = Some(InputReport {
+            vertices: report.vertices - report.isolated.total,
+            faces: mesh.faces.len(),
+            genus: report.genus,
+            boundary_loops: report.boundary_loops.total,
+            components: report.components.total,
+            diagonal: mesh.diagonal(),
+        });
+    }
+
+    /// Enters everything that a reconstruction knows.
+    pub fn describe_reconstruction(&mut self, r: &Reconstruction, diagonal: f64) {
+        let mut patches = BTreeMap::new();
+        for patch in r.blend.surface.patches() {
+            *patches.entry(kind_name(patch.kind()).to_owned()).or_default() += 1;
+        }
+        let segmentation = &r.segmentation;
+        let (charts, corners, arcs) =
+            (segmentation.charts.len(), segmentation.corners.len(), segmentation.arcs.len());
+        let widths = &r.blend.widths.corner;
+        let low = widths.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = widths.iter().copied().fold(0.0, f64::max);
+        self.surface = Some(SurfaceReport {
+            charts,
+            corners,
+            arcs,
+            patches,
+            patches_merged: charts + corners + r.blend.merged_strips,
+            widths: Some([low / diagonal, high / diagonal]),
+            smallest_jacobian: Some(r.blend.maps.jacobian),
+        });
+        self.fits = r
+            .fits
+            .iter()
+            .zip(&r.charts)
+            .map(|(fit, chart)| FitSummary {
+                points: fit.params.len(),
+                cells: fit.report.cells,
+                rms: fit.report.rms,
+                max: fit.report.max,
+                outcome: format!("{:?}", fit.report.outcome).to_lowercase(),
+                area_ratio: chart.distortion.area_ratio,
+            })
+            .collect();
+        self.describe_certificate(&r.certificate);
+        self.describe_deviation(&r.deviation);
+        self.describe_tessellation(&r.tessellation);
+        self.seconds = r.seconds.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
+        self.warnings.extend(r.warnings.iter().cloned());
+    }
+
+    /// Enters a certificate.
+    pub fn describe_certificate(&mut self, c: &Certificate) {
+        self.certificate = Some(CertificateReport {
+            claimed: order_name(c.claimed).into(),
+            measured: c.measured.map(|m| order_name(m).into()),
+            position: c.position,
+            normal: c.normal,
+            curvature: c.curvature,
+            regularity: c.regularity,
+            largest_curvature: c.largest_curvature,
+            seams: c.seams.len(),
+        });
+    }
+
+    /// Enters a deviation.
+    pub fn describe_deviation(&mut self, d: &Deviation) {
+        let kinds = d
+            .kinds
+            .iter()
+            .filter(|k| k.mesh_to_surface.count > 0)
+            .map(|k| (kind_name(k.kind).to_owned(), k.mesh_to_surface.clone()))
+            .fold(BTreeMap::<String, Stats>::new(), |mut map, (name, stats)| {
+                map.entry(name).and_modify(|s| *s = s.merge(&stats)).or_insert(stats);
+                map
+            });
+        self.deviation = Some(DeviationReport {
+            mesh_to_surface: distances(&d.mesh_to_surface),
+            surface_to_mesh: distances(&d.surface_to_mesh),
+            kinds: kinds.iter().map(|(name, stats)| (name.clone(), distances(stats))).collect(),
+        });
+    }
+
+    /// Enters a tessellation, tested as any mesh is.
+    pub fn describe_tessellation(&mut self, t: &Tessellation) {
+        let check = suture_mesh::check(&t.mesh);
+        self.tessellation = Some(TessellationReport {
+            vertices: t.mesh.positions.len(),
+            triangles: t.mesh.faces.len(),
+            closed: check.closed,
+            manifold: check.manifold,
+            oriented: check.oriented,
+            genus: check.genus,
+        });
+    }
+
+    /// Enters the error that ended the command.
+    pub fn fail(&mut self, error: &SutureError) {
+        self.error = Some(ErrorReport {
+            kind: error.kind().into(),
+            message: error.to_string(),
+            at: error.at(),
+        });
+    }
+
+    /// Whether everything that was claimed was also measured: the certificate holds its claim and the tessellation is a closed,
+    /// oriented manifold of the input's genus.
+    pub fn holds(&self) -> bool {
+        let certificate = self.certificate.as_ref().is_none_or(|c| c.measured.as_ref() == Some(&c.claimed));
+        let tessellation = self.tessellation.is_none_or(|t| {
+            t.closed && t.manifold && t.oriented && self.input.as_ref().is_none_or(|i| i.genus == t.genus)
+        });
+        certificate && tessellation && self.error.is_none()
+    }
+}
+
+fn distances(s: &Stats) -> DistanceReport {
+    DistanceReport { mean: s.mean, rms: s.rms, max: s.max }
+}
+
+/// The report's name of an order of continuity.
+pub fn order_name(order: Continuity) -> &'static str {
+    match order {
+        Continuity::C0 => "C0",
+        Continuity::G1 => "G1",
+        Continuity::C1 => "C1",
+        Continuity::G2 => "G2",
+        Continuity::C2 => "C2",
+        _ => "unknown",
+    }
+}
+
+/// The report's name of a kind of patch.
+pub fn kind_name(kind: PatchKind) -> &'static str {
+    match kind {
+        PatchKind::Trimmed => "trimmed",
+        PatchKind::Strip { .. } | PatchKind::AdjacentStrip => "strip",
+        PatchKind::NBlend { .. } => "nblend",
+        _ => "other",
+    }
+}
+
+/// Largest resident memory of this process so far, in bytes, where the system tells.
+pub fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(1024 * kilobytes)
+}
