@@ -7,7 +7,7 @@ use crate::{Topology, TriMesh};
 /// Unit normals of all vertices: the area vectors of the faces around each, summed and normalised; zero where no face with area
 /// meets the vertex or where they cancel.
 ///
-/// Faces that name missing vertices are skipped. The sum runs in the order of faces, so that the bits do not depend on anything else.
+/// Faces that name missing vertices are skipped. The sum runs in the order of faces, which alone decides its bits.
 /// For vertices between faces of very different size, weights by angle follow the surface better.
 ///
 /// # References

@@ -46,8 +46,8 @@ pub fn weld_coincident(mesh: &mut TriMesh) -> Welded {
     merge(mesh, &target)
 }
 
-/// Merges every vertex into the nearest earlier one that stays and is at most `tolerance` times the diagonal away. A vertex that stays
-/// keeps its place, and no vertex moves farther than the tolerance. 0 welds exactly.
+/// Merges every vertex into the nearest earlier one that stays and is at most `tolerance` times the diagonal away. A vertex that
+/// stays keeps its place, and no vertex moves farther than the tolerance. 0 welds exactly.
 ///
 /// # Errors
 /// [`MeshError::Tolerance`] outside `[0, 1)`.
@@ -59,20 +59,20 @@ pub fn weld_within(mesh: &mut TriMesh, tolerance: f64) -> Result<Welded, MeshErr
     if !(reach > 0.0 && reach.is_finite()) {
         return Ok(weld_coincident(mesh));
     }
-    // Vertices that stay, by cells of the size of the reach: those of one cell and its neighbours are few, for they keep their distance.
-    let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    // Vertices that stay, by cells of the size of the reach: those of one cell and its neighbours are few, for they keep their
+    // distance. Whole numbers as floats: far-away vertices cannot overflow them.
+    let mut cells: HashMap<[u64; 3], Vec<u32>> = HashMap::new();
     let mut target = Vec::with_capacity(mesh.positions.len());
     for (v, &p) in (0u32..).zip(&mesh.positions) {
         if !p.is_finite() {
             target.push(v);
             continue;
         }
-        let cell = (p / reach).floor().to_array().map(|x| x as i64);
+        let cell = (p / reach).floor();
         let mut nearest: Option<(f64, u32)> = None;
         for d in 0..27 {
-            let neighbour = [d % 3, d / 3 % 3, d / 9].map(|d| d - 1);
-            let key: [i64; 3] = std::array::from_fn(|k| cell[k].saturating_add(neighbour[k]));
-            for &w in cells.get(&key).into_iter().flatten() {
+            let neighbour = DVec3::from([d % 3, d / 3 % 3, d / 9].map(|d| f64::from(d - 1)));
+            for &w in cells.get(&weld_key(cell + neighbour)).into_iter().flatten() {
                 let distance = ((mesh.positions[w as usize] - p) / reach).length();
                 if distance <= 1.0 && nearest.is_none_or(|n| (distance, w) < n) {
                     nearest = Some((distance, w));
@@ -82,7 +82,7 @@ pub fn weld_within(mesh: &mut TriMesh, tolerance: f64) -> Result<Welded, MeshErr
         match nearest {
             Some((_, w)) => target.push(w),
             None => {
-                cells.entry(cell).or_default().push(v);
+                cells.entry(weld_key(cell)).or_default().push(v);
                 target.push(v);
             }
         }

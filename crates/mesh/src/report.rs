@@ -122,8 +122,8 @@ pub struct Component {
     pub volume: Option<f64>,
 }
 
-/// Everything that [`check`](crate::check) can say about a mesh. Faces with missing or repeated vertices are listed and then left out of
-/// all other counts.
+/// Everything that [`check`](crate::check) can say about a mesh. Faces with missing or repeated vertices are listed and then left
+/// out of all other counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshReport {
     /// Number of vertices, isolated ones included.

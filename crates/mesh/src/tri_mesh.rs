@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn the_box_is_that_of_the_vertices_in_use() {
-        let positions = vec![DVec3::ZERO, DVec3::splat(9.0), DVec3::new(3.0, 4.0, 0.0)];
+        let positions = [DVec3::ZERO, DVec3::splat(9.0), DVec3::new(3.0, 4.0, 0.0)];
         for scale in [1.0, 2f64.powi(900), 2f64.powi(-900)] {
             let positions = positions.iter().map(|&p| p * scale).collect();
             let mesh = TriMesh::new(positions, vec![[0, 2, 2], [0, 77, 0]]);

@@ -76,11 +76,14 @@ impl Draft {
         }
     }
 
-    /// Notes something that is left out. `what` comes from a small fixed set, or from a bounded header.
+    /// Notes something that is left out; beyond a handful of kinds all the rest is one, for names come from strangers.
     pub(super) fn ignore(&mut self, what: &str, count: usize, at: Place) {
-        match self.ignored.iter_mut().find(|(known, ..)| known == what) {
-            Some(entry) => entry.1 += count,
-            None => self.ignored.push((what.to_owned(), count, at)),
+        const KINDS: usize = 16;
+        let known = self.ignored.iter().position(|(known, ..)| known == what);
+        match known.or((self.ignored.len() > KINDS).then_some(KINDS)) {
+            Some(k) => self.ignored[k].1 = self.ignored[k].1.saturating_add(count),
+            None if self.ignored.len() < KINDS => self.ignored.push((what.to_owned(), count, at)),
+            None => self.ignored.push(("other part of the file".to_owned(), count, at)),
         }
     }
 

@@ -1,8 +1,8 @@
 //! Mesh files: OBJ, STL, PLY and OFF, read from untrusted bytes and written atomically.
 //!
 //! Readers never panic, never allocate more than a small multiple of the bytes they were given, and never repair silently: what
-//! they did besides reading is in [`Loaded::notices`]. They accept defective meshes ([`check`](crate::check) names the defects) and reject defective
-//! files.
+//! they did besides reading is in [`Loaded::notices`]. They accept defective meshes ([`check`](crate::check) names the defects)
+//! and reject defective files.
 //!
 //! Conventions: polygons are triangulated in their plane and the triangles follow in file order; STL vertices are welded where they
 //! coincide exactly; colours, texture coordinates, groups and materials are dropped.

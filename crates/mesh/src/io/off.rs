@@ -96,6 +96,13 @@ impl Body<'_> {
         }
         if let Some(word) = self.lexer.word() {
             integer::<u64>(word).ok_or_else(|| self.lexer.syntax(word, "a number of edges"))?;
+        } else {
+            // A number alone on the next line is that of edges, not a vertex.
+            let mut ahead = self.lexer.clone();
+            let alone = ahead.word_anywhere().is_some_and(|w| integer::<u64>(w).is_some());
+            if alone && ahead.word().is_none() {
+                self.lexer = ahead;
+            }
         }
         self.lines = self.lexer.clone().word().is_none();
         Ok(counts)
@@ -192,6 +199,7 @@ mod tests {
     fn header_variants() {
         check("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
         check("OFF 3 1 0 0 0 0 1 0 0 0 1 0 3 0 1 2");
+        check("OFF\n3\n1\n0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
         check("OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2");
         check("# c\n\n  COFF # c\n\n3 1\n0 0 0 1 1 1 1\n1 0 0 0.5\n0 1 0 255 0 0\n3 0 1 2 7\n");
         let loaded =

@@ -111,10 +111,10 @@ fn faces(element: &Element, source: &mut Source<'_>, draft: &mut Draft) -> Resul
             let at = source.place();
             for _ in 0..source.list_length(length, property.scalar)? {
                 let value = source.number(property.scalar)?;
-                if value.fract() != 0.0 {
+                if value.fract() != 0.0 || !(0.0..f64::from(u32::MAX)).contains(&value) {
                     return Err(draft.index_error("vertex", value.to_string(), at));
                 }
-                draft.corner(value as i64, None, at, value.to_string().as_bytes())?;
+                draft.corner(value as i64, None, at, b"")?;
             }
             draft.end_polygon(at);
         }
@@ -243,7 +243,13 @@ impl Header {
             match lexer.word() {
                 None | Some(b"comment" | b"obj_info") => {}
                 Some(b"format") => encoding = Some(format(&mut lexer)?),
-                Some(b"element") => elements.push(element(&mut lexer)?),
+                Some(b"element") => {
+                    let element = element(&mut lexer)?;
+                    if element.name == "vertex" && elements.iter().any(|e| e.name == "vertex") {
+                        return Err(lexer.syntax(b"element vertex", "only one element `vertex`"));
+                    }
+                    elements.push(element);
+                }
                 Some(b"property") => {
                     let property = property(&mut lexer)?;
                     match elements.last_mut() {
@@ -512,6 +518,27 @@ mod tests {
         assert_eq!(at(&ASCII.replace("1 0 0 0\n", "1 0 x 0\n")), Place::Line(18));
         assert_eq!(at(&ASCII.replace("0 0 1 0\n", "0 0 1 inf\n")), Place::Line(19));
         assert_eq!(at(&ASCII.replace("property short z\n", "")), Place::Line(9));
+    }
+
+    #[test]
+    fn a_second_list_of_vertices_is_refused() {
+        let text = ASCII.replace("element edge 1\n", "element vertex 0\nelement edge 1\n");
+        assert!(matches!(read(text.as_bytes()), Err(MeshError::Syntax { at: Place::Line(10), .. })));
+    }
+
+    #[test]
+    fn many_strange_elements_are_lumped_together() {
+        let strange: String = (0..50).map(|k| format!("element e{k} 1\n")).collect();
+        let text = ASCII.replace("element edge 1\n", &format!("{strange}element edge 1\n"));
+        assert_eq!(read(text.as_bytes()).unwrap().notices.len(), 17);
+    }
+
+    #[test]
+    fn numbers_that_the_header_does_not_declare_are_ignored_with_a_notice() {
+        let loaded = read(ASCII.replace("0 1 2\n", "0 1 2 8 8 8\n").as_bytes()).unwrap();
+        let what = "line with more numbers than the header declares".to_owned();
+        let expected = Notice::Ignored { what, count: 1, first: Place::Line(16) };
+        assert_eq!(loaded.notices.last(), Some(&expected));
     }
 
     #[test]

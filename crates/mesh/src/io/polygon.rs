@@ -89,7 +89,7 @@ impl<'a> Ring<'a> {
             blockers: Vec::new(),
             clipped: vec![false; n],
         };
-        ring.blockers = (0..n).filter(|&k| !(ring.turn(k) > 0.0)).collect();
+        ring.blockers = (0..n).filter(|&k| ring.turn(k) <= 0.0).collect();
         ring
     }
 
@@ -132,7 +132,7 @@ impl<'a> Ring<'a> {
 
     /// The quality of the triangle that clipping `k` would cut off, in the order of numbers; `None` where it may not be clipped.
     fn ear(&self, k: usize) -> Option<u64> {
-        if !(self.turn(k) > 0.0) {
+        if self.turn(k) <= 0.0 {
             return None;
         }
         let triangle = [self.previous[k], k, self.next[k]];

@@ -56,7 +56,7 @@ pub fn write_with(path: impl AsRef<Path>, mesh: &TriMesh, options: WriteOptions)
 ///
 /// # Errors
 /// Refuses what the readers would refuse: [`MeshError::NoFaces`], [`MeshError::VertexIndex`], [`MeshError::NormalCount`],
-/// [`MeshError::NotWritable`]; and [`MeshError::Io`] with an empty path.
+/// [`MeshError::NotWritable`]; and [`MeshError::Io`], with `the output` for its path.
 pub fn write_to(
     out: impl Write,
     mesh: &TriMesh,
@@ -67,7 +67,7 @@ pub fn write_to(
     let mut out = BufWriter::new(out);
     write_body(&mut out, mesh, format, options.ascii)
         .and_then(|()| out.flush())
-        .map_err(|source| MeshError::Io { action: "write", path: "".into(), source })
+        .map_err(|source| MeshError::Io { action: "write", path: "the output".into(), source })
 }
 
 fn validate(mesh: &TriMesh, format: MeshFormat) -> Result<(), MeshError> {
