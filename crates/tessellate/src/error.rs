@@ -7,7 +7,7 @@ use glam::DVec2;
 #[non_exhaustive]
 pub enum TessellateError {
     /// An option is out of range.
-    #[error("option {name} is {value}, it must be larger than or equal to {limit} and not zero")]
+    #[error("option {name} is {value}, it must be positive and at least {limit}")]
     Option {
         /// Name of the option.
         name: &'static str,

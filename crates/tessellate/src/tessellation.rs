@@ -53,7 +53,7 @@ pub fn tessellate(surface: &Surface, options: &TessellationOptions) -> Result<Te
     }
     let domains: Vec<Domain> = surface.patches().iter().map(|p| p.domain()).collect();
     let net = Net::new(surface, &domains)?;
-    let (curves, patches, size) = demands(&net)?;
+    let Demands { curves, patches, size } = demands(&net)?;
     if size <= 0.0 {
         return Err(TessellateError::Point);
     }
@@ -63,8 +63,18 @@ pub fn tessellate(surface: &Surface, options: &TessellationOptions) -> Result<Te
     assemble(&net, &counts, &limits)
 }
 
-/// What every curve and the interior of every rectangle and polygon asks for, and the size of the surface.
-fn demands(net: &Net) -> Result<(Vec<Demand>, Vec<Option<QuadDemand>>, f64), TessellateError> {
+/// What a surface asks for.
+struct Demands {
+    /// Every curve.
+    curves: Vec<Demand>,
+    /// The interior of every rectangle and polygon.
+    patches: Vec<Option<QuadDemand>>,
+    /// Diagonal of the box around all samples.
+    size: f64,
+}
+
+/// Samples all curves and patches.
+fn demands(net: &Net) -> Result<Demands, TessellateError> {
     let curves: Vec<(Demand, Extent)> = net
         .curves
         .par_iter()
@@ -99,7 +109,11 @@ fn demands(net: &Net) -> Result<(Vec<Demand>, Vec<Option<QuadDemand>>, f64), Tes
         .collect::<Result<_, _>>()?;
     let extents = curves.iter().map(|c| c.1).chain(patches.iter().map(|p| p.1));
     let size = extents.fold(Extent::EMPTY, Extent::join).size();
-    Ok((curves.into_iter().map(|c| c.0).collect(), patches.into_iter().map(|p| p.0).collect(), size))
+    Ok(Demands {
+        curves: curves.into_iter().map(|c| c.0).collect(),
+        patches: patches.into_iter().map(|p| p.0).collect(),
+        size,
+    })
 }
 
 /// The boundary points of patch `index`.

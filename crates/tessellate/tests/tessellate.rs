@@ -220,8 +220,6 @@ fn close_curves_are_refined_until_their_polylines_do_not_cross() {
         vec![DVec2::new(-1.0, 0.0), DVec2::new(-1.0, 1.0), DVec2::new(1.0, 1.0), DVec2::new(1.0, 0.0)],
         back,
     ];
-    let split = BezierCurve::new(outer[0].clone()).unwrap();
-    assert_eq!(split.degree(), 3);
     let curves = outer.map(|net| BezierCurve::new(net).unwrap()).to_vec();
     let map = Map::Affine([DVec3::ZERO, DVec3::X, DVec3::Y]);
     let surface = sew(vec![patch(Domain::Trimmed(vec![curves]), map, false, PatchKind::Trimmed)], 1.0);

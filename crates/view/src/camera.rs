@@ -88,7 +88,7 @@ impl View {
     }
 
     /// Position in the picture (x to the right, y down, in pixels) and depth, from local coordinates.
-    pub(crate) fn to_pixels(&self, [x, y, depth]: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn pixels(&self, [x, y, depth]: [f64; 3]) -> [f64; 3] {
         [self.middle[0] + self.focal * x / depth, self.middle[1] - self.focal * y / depth, depth]
     }
 }

@@ -71,7 +71,7 @@ fn piece(triangle: u32, ring: [([f64; 3], DVec3); 3], view: &View, scale: f64) -
     let mut xy = [[0; 2]; 3];
     let mut inverse = [0.0; 3];
     for k in 0..3 {
-        let [x, y, depth] = view.to_pixels(ring[k].0);
+        let [x, y, depth] = view.pixels(ring[k].0);
         let grid = [x, y].map(|c| (c * scale * GRID).round());
         // Only triangles that all but touch the eye reach so far, or have corners that are not finite.
         if !grid.iter().all(|c| c.abs() < FARTHEST) {

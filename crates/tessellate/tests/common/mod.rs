@@ -163,12 +163,11 @@ pub fn sew(mut patches: Vec<Mapped>, scale: f64) -> Surface {
         let near = |a: DVec3, b: DVec3| a.distance(b) < 1e-9;
         let other = (i + 1..edges.len())
             .find(|&j| !taken[j] && (0..4).all(|k| near(edges[i].1[k], edges[j].1[3 - k])));
-        if let (false, Some(j)) = (taken[i], other) {
-            if !near(edges[i].1[0], edges[i].1[1]) {
-                taken[i] = true;
-                taken[j] = true;
-                seams.push(Seam::new(edges[i].0, edges[j].0, Continuity::C2));
-            }
+        let collapsed = near(edges[i].1[0], edges[i].1[1]);
+        if let (false, false, Some(j)) = (taken[i], collapsed, other) {
+            taken[i] = true;
+            taken[j] = true;
+            seams.push(Seam::new(edges[i].0, edges[j].0, Continuity::C2));
         }
     }
     patches.iter_mut().for_each(|p| p.scale = scale);
