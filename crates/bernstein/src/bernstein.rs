@@ -11,7 +11,7 @@ use crate::MAX_DEGREE;
 pub fn values(degree: usize, t: f64, out: &mut [f64]) {
     let s = 1.0 - t;
     out[0] = 1.0;
-    for n in 1..=degree {
+    for n in 1..degree + 1 {
         let mut carry = 0.0;
         for b in &mut out[..n] {
             let next = t * *b;
@@ -28,8 +28,13 @@ pub fn values(degree: usize, t: f64, out: &mut [f64]) {
 ///
 /// # Panics
 /// When `out` is shorter than `degree + 1`.
-#[inline]
 pub fn jets<const D: usize>(degree: usize, t: f64, out: &mut [[f64; D]]) {
+    unrolled(degree, t, out);
+}
+
+/// [`jets`], to be inlined where the degree is a constant.
+#[inline(always)]
+pub(crate) fn unrolled<const D: usize>(degree: usize, t: f64, out: &mut [[f64; D]]) {
     if D == 0 {
         return;
     }
@@ -40,7 +45,8 @@ pub fn jets<const D: usize>(degree: usize, t: f64, out: &mut [[f64; D]]) {
     out[0][0] = 1.0;
     // Column 0 climbs to degree n by convex combinations. Column d leaves it at degree n − d and climbs the rest by
     // differences, (B_i^n)′ = n (B_{i−1}^{n−1} − B_i^{n−1}); the factors n wait for the end, so that nothing is rounded twice.
-    for n in 1..=degree {
+    // (A half-open range unrolls, a closed one does not.)
+    for n in 1..degree + 1 {
         let branch = degree + 1 - n;
         if branch <= top {
             out[..n].iter_mut().for_each(|b| b[branch] = b[0]);
@@ -78,6 +84,12 @@ pub fn binomial(n: usize, k: usize) -> f64 {
     } else {
         (0..k.min(n - k)).fold(1.0, |c, i| c * (n - i) as f64 / (i + 1) as f64)
     }
+}
+
+/// `C(n, 0) … C(n, n)`, `n ≤ 2 MAX_DEGREE`.
+#[inline]
+pub(crate) fn binomial_row(n: usize) -> &'static [f64] {
+    &BINOMIAL[n][..=n]
 }
 
 /// `∫₀¹ B_i^m B_j^n dt = C(m, i) C(n, j) / (C(m + n, i + j) (m + n + 1))`; zero for `i > m` or `j > n`.

@@ -25,6 +25,10 @@ pub fn check(degree: usize, count: usize, knots: &[f64]) -> Result<(), NetError>
     if knots[degree] >= knots[count] {
         return Err(NetError::Knots { index: count });
     }
+    // Every interval that is divided by must be a number.
+    if !(knots[needed - 1] - knots[0]).is_finite() {
+        return Err(NetError::Knots { index: needed - 1 });
+    }
     Ok(())
 }
 
@@ -67,8 +71,19 @@ fn search(degree: usize, knots: &[f64], t: f64) -> usize {
 ///
 /// # Panics
 /// When `out` is shorter than `degree + 1` or `span` is not one that [`span`] returns.
-#[inline]
 pub fn jets<const D: usize>(degree: usize, knots: &[f64], span: usize, t: f64, out: &mut [[f64; D]]) {
+    unrolled(degree, knots, span, t, out);
+}
+
+/// [`jets`], to be inlined where the degree is a constant.
+#[inline(always)]
+pub(crate) fn unrolled<const D: usize>(
+    degree: usize,
+    knots: &[f64],
+    span: usize,
+    t: f64,
+    out: &mut [[f64; D]],
+) {
     if D == 0 {
         return;
     }
@@ -79,8 +94,8 @@ pub fn jets<const D: usize>(degree: usize, knots: &[f64], span: usize, t: f64, o
     out[0] = [0.0; D];
     out[0][0] = 1.0;
     // Column 0 climbs to degree p by Cox and de Boor's recursion. Column d leaves it at degree p − d and climbs the rest by
-    // N′ = n (N_i/(t_{i+n} − t_i) − N_{i+1}/(t_{i+n+1} − t_{i+1})).
-    for n in 1..=degree {
+    // N′ = n (N_i/(t_{i+n} − t_i) − N_{i+1}/(t_{i+n+1} − t_{i+1})). (A half-open range unrolls, a closed one does not.)
+    for n in 1..degree + 1 {
         let branch = degree + 1 - n;
         if branch <= top {
             out[..n].iter_mut().for_each(|b| b[branch] = b[0]);
@@ -153,6 +168,7 @@ mod tests {
         assert_eq!(check(1, 2, &[0.0, 0.0, 1.0]), Err(NetError::Count { given: 3, needed: 4 }));
         assert_eq!(check(1, 2, &[0.0, 1.0, 0.5, 2.0]), Err(NetError::Knots { index: 2 }));
         assert_eq!(check(1, 2, &[0.0, 0.0, f64::NAN, 1.0]), Err(NetError::Knots { index: 2 }));
+        assert_eq!(check(1, 2, &[-f64::MAX, 0.0, 1.0, f64::MAX]), Err(NetError::Knots { index: 3 }));
         assert_eq!(check(1, 2, &[0.0, 1.0, 1.0, 2.0]), Err(NetError::Knots { index: 2 }));
     }
 

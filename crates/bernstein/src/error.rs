@@ -18,7 +18,7 @@ pub enum NetError {
         /// How many are needed.
         needed: usize,
     },
-    /// A knot vector decreases, is not finite, or is too short for one polynomial piece.
+    /// A knot vector decreases, is not finite (or its length is not), or is too short for one polynomial piece.
     Knots {
         /// Index of the offending knot.
         index: usize,
@@ -52,7 +52,10 @@ impl std::fmt::Display for NetError {
                 )
             }
             Self::Knots { index } => {
-                write!(f, "knot {index} is not finite, smaller than the knot before it, or spans no interval")
+                write!(
+                    f,
+                    "knot {index} is not finite, smaller than the knot before it, or spans no interval (or an infinite one)"
+                )
             }
             Self::NotFinite { index } => {
                 write!(f, "control point {index} is not finite; check the input for NaN, or scale it down")

@@ -58,12 +58,12 @@ impl<T: Vector> BezierPatch<T> {
     pub fn jet(&self, at: DVec2) -> Jet2<T> {
         // Constant degrees unroll; these are the ones that strips and bicubic pieces have.
         match self.degree {
-            [3, 3] => self.jet_sized::<4>([3, 3], at),
-            [5, 1] => self.jet_sized::<6>([5, 1], at),
-            [5, 2] => self.jet_sized::<6>([5, 2], at),
-            [5, 3] => self.jet_sized::<6>([5, 3], at),
-            [p, q] if p.max(q) < SMALL => self.jet_sized::<SMALL>([p, q], at),
-            degree => self.jet_sized::<LARGE>(degree, at),
+            [3, 3] => self.jet_fixed::<4, 4>(at),
+            [5, 1] => self.jet_fixed::<6, 2>(at),
+            [5, 2] => self.jet_fixed::<6, 3>(at),
+            [5, 3] => self.jet_fixed::<6, 4>(at),
+            [p, q] if p.max(q) < SMALL => self.jet_sized::<SMALL>(at),
+            _ => self.jet_sized::<LARGE>(at),
         }
     }
 
@@ -76,9 +76,19 @@ impl<T: Vector> BezierPatch<T> {
         combine_values(&self.net, q + 1, &bu[..=p], &bv[..=q])
     }
 
+    /// For `M × N` control points.
     #[inline(always)]
-    fn jet_sized<const N: usize>(&self, [p, q]: [usize; 2], at: DVec2) -> Jet2<T> {
+    fn jet_fixed<const M: usize, const N: usize>(&self, at: DVec2) -> Jet2<T> {
+        let (mut bu, mut bv) = ([[0.0; 3]; M], [[0.0; 3]; N]);
+        bernstein::unrolled(M - 1, at.x, &mut bu);
+        bernstein::unrolled(N - 1, at.y, &mut bv);
+        combine_fixed(&self.net, N, &bu, &bv)
+    }
+
+    /// For at most `N` control points in either direction.
+    fn jet_sized<const N: usize>(&self, at: DVec2) -> Jet2<T> {
         let (mut bu, mut bv) = ([[0.0; 3]; N], [[0.0; 3]; N]);
+        let [p, q] = self.degree;
         bernstein::jets(p, at.x, &mut bu);
         bernstein::jets(q, at.y, &mut bv);
         combine(&self.net, q + 1, &bu[..=p], &bv[..=q])
@@ -186,9 +196,9 @@ impl<T: Vector> BSplineSurface<T> {
     pub fn jet(&self, at: DVec2) -> Jet2<T> {
         match self.degree {
             // Constant degrees unroll.
-            [3, 3] => self.jet_sized::<4>([3, 3], at),
-            [p, q] if p.max(q) < SMALL => self.jet_sized::<SMALL>([p, q], at),
-            degree => self.jet_sized::<LARGE>(degree, at),
+            [3, 3] => self.jet_fixed::<4, 4>(at),
+            [p, q] if p.max(q) < SMALL => self.jet_sized::<SMALL>(at),
+            _ => self.jet_sized::<LARGE>(at),
         }
     }
 
@@ -204,9 +214,23 @@ impl<T: Vector> BSplineSurface<T> {
         combine_values(&self.net[(i - p) * columns + j - q..], columns, &bu[..=p], &bv[..=q])
     }
 
+    /// For `M × N` control points on every piece.
     #[inline(always)]
-    fn jet_sized<const N: usize>(&self, [p, q]: [usize; 2], at: DVec2) -> Jet2<T> {
+    fn jet_fixed<const M: usize, const N: usize>(&self, at: DVec2) -> Jet2<T> {
+        let (mut bu, mut bv) = ([[0.0; 3]; M], [[0.0; 3]; N]);
+        let [p, q] = [M - 1, N - 1];
+        let i = bspline::span(p, &self.knots[0], at.x);
+        let j = bspline::span(q, &self.knots[1], at.y);
+        bspline::unrolled(p, &self.knots[0], i, at.x, &mut bu);
+        bspline::unrolled(q, &self.knots[1], j, at.y, &mut bv);
+        let columns = self.knots[1].len() - N;
+        combine_fixed(&self.net[(i - p) * columns + j - q..], columns, &bu, &bv)
+    }
+
+    /// For at most `N` control points in either direction on every piece.
+    fn jet_sized<const N: usize>(&self, at: DVec2) -> Jet2<T> {
         let (mut bu, mut bv) = ([[0.0; 3]; N], [[0.0; 3]; N]);
+        let [p, q] = self.degree;
         let i = bspline::span(p, &self.knots[0], at.x);
         let j = bspline::span(q, &self.knots[1], at.y);
         bspline::jets(p, &self.knots[0], i, at.x, &mut bu);
@@ -218,37 +242,63 @@ impl<T: Vector> BSplineSurface<T> {
 
 const LARGE: usize = MAX_DEGREE + 1;
 
-/// Sums the net (rows `columns` apart) against both bases.
-#[inline(always)]
+/// Sums the net (rows `columns` apart) against both bases, along `u` first.
 fn combine<T: Vector>(net: &[T], columns: usize, bu: &[[f64; 3]], bv: &[[f64; 3]]) -> Jet2<T> {
     let mut jet = Jet2::default();
-    for (i, u) in bu.iter().enumerate() {
-        let row = &net[i * columns..i * columns + bv.len()];
-        let (mut r, mut rv, mut rvv) = (T::default(), T::default(), T::default());
-        for (&p, v) in row.iter().zip(bv) {
-            r = r + p * v[0];
-            rv = rv + p * v[1];
-            rvv = rvv + p * v[2];
+    for (j, v) in bv.iter().enumerate() {
+        let mut c = [T::default(); 3];
+        for (i, u) in bu.iter().enumerate() {
+            let p = net[i * columns + j];
+            for d in 0..3 {
+                c[d] = c[d] + p * u[d];
+            }
         }
-        jet.p = jet.p + r * u[0];
-        jet.du = jet.du + r * u[1];
-        jet.duu = jet.duu + r * u[2];
-        jet.dv = jet.dv + rv * u[0];
-        jet.duv = jet.duv + rv * u[1];
-        jet.dvv = jet.dvv + rvv * u[0];
+        add_column(&mut jet, c, v);
     }
     jet
 }
 
-/// [`combine`] for the value alone, in the same order of operations.
-fn combine_values<T: Vector>(net: &[T], columns: usize, bu: &[[f64; 1]], bv: &[[f64; 1]]) -> T {
-    let mut p = T::default();
-    for (i, u) in bu.iter().enumerate() {
-        let row = &net[i * columns..i * columns + bv.len()];
-        let r = row.iter().zip(bv).fold(T::default(), |r, (&p, v)| r + p * v[0]);
-        p = p + r * u[0];
+/// [`combine`] to the bit, row by row: a row of constant length is one run of numbers to the vector unit.
+#[inline(always)]
+fn combine_fixed<T: Vector, const M: usize, const N: usize>(
+    net: &[T],
+    columns: usize,
+    bu: &[[f64; 3]; M],
+    bv: &[[f64; 3]; N],
+) -> Jet2<T> {
+    let mut c = [[T::default(); 3]; N];
+    for i in 0..M {
+        let row = &net[i * columns..i * columns + N];
+        for d in 0..3 {
+            for j in 0..N {
+                c[j][d] = c[j][d] + row[j] * bu[i][d];
+            }
+        }
     }
-    p
+    let mut jet = Jet2::default();
+    for j in 0..N {
+        add_column(&mut jet, c[j], &bv[j]);
+    }
+    jet
+}
+
+/// Adds a column, summed along `u` for every derivative in `u`, with the basis function of its `v`.
+#[inline(always)]
+fn add_column<T: Vector>(jet: &mut Jet2<T>, c: [T; 3], v: &[f64; 3]) {
+    jet.p = jet.p + c[0] * v[0];
+    jet.du = jet.du + c[1] * v[0];
+    jet.dv = jet.dv + c[0] * v[1];
+    jet.duu = jet.duu + c[2] * v[0];
+    jet.duv = jet.duv + c[1] * v[1];
+    jet.dvv = jet.dvv + c[0] * v[2];
+}
+
+/// [`combine`] to the bit, for the value alone.
+fn combine_values<T: Vector>(net: &[T], columns: usize, bu: &[[f64; 1]], bv: &[[f64; 1]]) -> T {
+    bv.iter().enumerate().fold(T::default(), |p, (j, v)| {
+        let column = bu.iter().enumerate();
+        p + column.fold(T::default(), |c, (i, u)| c + net[i * columns + j] * u[0]) * v[0]
+    })
 }
 
 /// What is read before it is checked.

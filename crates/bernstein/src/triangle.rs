@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::bernstein::binomial;
+use crate::bernstein::binomial_row;
 use crate::curve::check_finite;
 use crate::{Jet2, MAX_DEGREE, NetError, SMALL, Vector};
 
@@ -54,11 +54,14 @@ impl<T: Vector> BezierTriangle<T> {
 
     /// Value at barycentric coordinates `at` (of sum 1). The corners of the net are interpolated to the bit.
     pub fn point(&self, at: [f64; 3]) -> T {
-        let [p] = if self.degree < SMALL {
-            self.polar::<SMALL, 1>(0, at)
-        } else {
-            self.polar::<{ MAX_DEGREE + 1 }, 1>(0, at)
-        };
+        let n = self.degree;
+        let basis = Basis::<LARGE>::new(n, at);
+        let (mut p, mut net) = (T::default(), self.net.as_slice());
+        for k in 0..=n {
+            let (row, tail) = net.split_at(n + 1 - k);
+            p = row.iter().zip(basis.row(k)).fold(p, |p, (&c, w)| p + c * w);
+            net = tail;
+        }
         p
     }
 
@@ -68,72 +71,84 @@ impl<T: Vector> BezierTriangle<T> {
         // Gradients of the barycentric coordinates in (U, V).
         let [r, s, t] = corners;
         let area = (s - r).perp_dot(t - r);
-        let gradient = |a: DVec2, b: DVec2| DVec2::new(a.y - b.y, b.x - a.x) / area;
+        let inverse = 1.0 / area;
+        let gradient = |a: DVec2, b: DVec2| DVec2::new(a.y - b.y, b.x - a.x) * inverse;
         let g = [gradient(s, t), gradient(t, r), gradient(r, s)];
+        // Quotients: exactly 0 and 1 at the corners.
         let w = [
             (s - at).perp_dot(t - at) / area,
             (t - at).perp_dot(r - at) / area,
             (r - at).perp_dot(s - at) / area,
         ];
         let (gu, gv) = (g.map(|g| g.x), g.map(|g| g.y));
-        let n = self.degree;
-        match n {
+        match self.degree {
             0 => Jet2::constant(self.net[0]),
             1 => {
                 let c = [self.net[0], self.net[1], self.net[2]];
                 Jet2 { p: along(c, w), du: along(c, gu), dv: along(c, gv), ..Jet2::default() }
             }
-            _ => {
-                let q = match n {
-                    // Constant degrees unroll; this is the one that the weights of N-blends have.
-                    7 => self.polar_of::<SMALL, 6>(7, 2, w),
-                    _ if n < SMALL => self.polar::<SMALL, 6>(2, w),
-                    _ => self.polar::<{ MAX_DEGREE + 1 }, 6>(2, w),
-                };
-                quadratic(n, q, w, gu, gv)
-            }
+            n if n < SMALL + 2 => quadratic(n, self.last_but_two::<SMALL>(w), w, gu, gv),
+            n => quadratic(n, self.last_but_two::<LARGE>(w), w, gu, gv),
         }
     }
 
-    /// The net of `rest` degrees (`M` control points) that remains after `degree − rest` steps of de Casteljau's algorithm.
-    #[inline]
-    fn polar<const N: usize, const M: usize>(&self, rest: usize, w: [f64; 3]) -> [T; M] {
-        self.polar_of::<N, M>(self.degree, rest, w)
-    }
-
-    /// By the basis of degree `m = n − rest`, `C(m, k) τᵏ · C(m − k, j) σʲ ρⁱ`, rather than step by step: `O(n²)`, and exact
-    /// where a coordinate is 0 or 1.
-    #[inline(always)]
-    fn polar_of<const N: usize, const M: usize>(&self, n: usize, rest: usize, w: [f64; 3]) -> [T; M] {
-        let m = n - rest;
-        let powers = w.map(|x| {
-            let mut powers = [1.0; N];
-            for e in 1..=m {
-                powers[e] = powers[e - 1] * x;
-            }
-            powers
-        });
-        let mut out = [T::default(); M];
-        for k in 0..=m {
-            let ck = binomial(m, k) * powers[2][k];
-            for j in 0..=m - k {
-                let b = ck * binomial(m - k, j) * (powers[1][j] * powers[0][m - k - j]);
-                let mut entry = 0;
-                for dk in 0..=rest {
-                    for dj in 0..=rest - dk {
-                        out[entry] = out[entry] + self.net[index(n, j + dj, k + dk)] * b;
-                        entry += 1;
-                    }
+    /// The six control points that remain two steps before the end of de Casteljau's algorithm, `n ≥ 2`.
+    ///
+    /// By the basis of degree `m = n − 2` rather than step by step: `O(n²)`, and exact where a coordinate is 0 or 1.
+    fn last_but_two<const N: usize>(&self, w: [f64; 3]) -> [T; 6] {
+        let n = self.degree;
+        let basis = Basis::<N>::new(n - 2, w);
+        let mut q = [T::default(); 6];
+        let (mut a, tail) = self.net.split_at(n + 1);
+        let (mut b, mut net) = tail.split_at(n);
+        for k in 0..=n - 2 {
+            let (c, tail) = net.split_at(n - 1 - k);
+            let points = a.windows(3).zip(b.windows(2)).zip(c);
+            for (((a, b), &c), w) in points.zip(basis.row(k)) {
+                for (q, p) in q.iter_mut().zip([a[0], a[1], a[2], b[0], b[1], c]) {
+                    *q = *q + p * w;
                 }
             }
+            (a, b, net) = (b, c, tail);
         }
-        out
+        q
     }
 }
+
+const LARGE: usize = MAX_DEGREE + 1;
 
 /// Position of `b_ijk` in a net of `degree`.
 pub(crate) fn index(degree: usize, j: usize, k: usize) -> usize {
     k * (degree + 1) - k * k.saturating_sub(1) / 2 + j
+}
+
+/// The basis of degree `m ≤ N − 1` at one point, row by row: `B_ijk = C(m, k) τᵏ · C(m − k, j) σʲ ρⁱ`.
+struct Basis<const N: usize> {
+    m: usize,
+    powers: [[f64; N]; 3],
+}
+
+impl<const N: usize> Basis<N> {
+    #[inline]
+    fn new(m: usize, w: [f64; 3]) -> Self {
+        let mut powers = [[1.0; N]; 3];
+        for e in 1..=m {
+            for c in 0..3 {
+                powers[c][e] = powers[c][e - 1] * w[c];
+            }
+        }
+        Self { m, powers }
+    }
+
+    /// The functions of row `k`, in order of `j`.
+    #[inline]
+    fn row(&self, k: usize) -> impl Iterator<Item = f64> {
+        let d = self.m - k;
+        let [rho, sigma, tau] = &self.powers;
+        let factor = binomial_row(self.m)[k] * tau[k];
+        let choose = binomial_row(d).iter();
+        choose.zip(sigma).zip(rho[..=d].iter().rev()).map(move |((c, s), r)| factor * c * (s * r))
+    }
 }
 
 fn along<T: Vector>(c: [T; 3], d: [f64; 3]) -> T {
