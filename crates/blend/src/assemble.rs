@@ -4,7 +4,7 @@ use glam::DVec2;
 use suture_bernstein::{BezierCurve, BezierPatch};
 use suture_surface::{Continuity, EdgeRef, Patch, PatchId, PatchKind, Seam, Surface};
 
-use crate::check::{MapReport, check_maps};
+use crate::check::{MapReport, Obstacle, check_maps};
 use crate::maps::{CornerMaps, MapSet};
 use crate::patches::{NBlend, Strip, Trimmed};
 use crate::widths::{WidthOptions, Widths};
@@ -24,42 +24,62 @@ pub struct Blend {
 }
 
 /// How often widths shrink before the obstacle becomes the error.
-const ATTEMPTS: usize = 16;
+const ATTEMPTS: usize = 200;
 /// By how much they shrink at a time.
 const SHRINK: f64 = 0.8;
+/// Narrowest width relative to the diagonal: below, the curvature of the blends amplifies rounding and says nothing of the shape.
+const NARROWEST: f64 = 5e-4;
+/// By how much the strips of an arc grow at a time where its chain folds.
+const STRETCH: f64 = 1.25;
 
 /// Blends a network of B-splines into one C² surface.
 ///
-/// Widths that were not given shrink, at the corners concerned, until every map is usable.
+/// Widths that were not given shrink, at the corners concerned, until every map is usable; where a chain folds, its strips
+/// become fewer as well.
 ///
 /// # Errors
-/// [`BlendError`]: the network is inconsistent, or an obstacle remains (see [`Obstacle`](crate::Obstacle)).
+/// [`BlendError`]: the network is inconsistent, or an obstacle remains (see [`Obstacle`]).
 pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -> Result<Blend, BlendError> {
     network.check()?;
     let mut widths = Widths::resolve(network, options)?;
     let automatic = options.d_in.is_none() && options.d_out.is_none();
-    let mut attempt = 0;
-    loop {
-        attempt += 1;
-        let last = attempt >= ATTEMPTS || !automatic;
-        let shrink: Vec<usize> = match maps.maps(network, &widths) {
+    let narrowest = NARROWEST * network.diagonal;
+    for _ in 0..ATTEMPTS {
+        let obstacles = match maps.maps(network, &widths) {
             Ok(set) => {
                 let report = check_maps(network, &set);
-                match report.obstacles.first() {
-                    None => return finish(network, &set, widths, report),
-                    Some(obstacle) if last => return Err(obstacle.error.clone()),
-                    Some(_) => report.obstacles.iter().flat_map(|o| o.corners.iter().copied()).collect(),
+                if report.obstacles.is_empty() {
+                    return finish(network, &set, widths, report);
                 }
+                report.obstacles
             }
-            Err(BlendError::ArcTooShort { corners, .. }) if !last => corners.to_vec(),
+            Err(error @ BlendError::ArcTooShort { corners, .. }) => {
+                vec![Obstacle { error, corners: corners.to_vec(), chain: None }]
+            }
             Err(error) => return Err(error),
         };
-        let mut affected = vec![false; widths.corner.len()];
-        shrink.into_iter().for_each(|c| affected[c] = true);
-        for (width, _) in widths.corner.iter_mut().zip(affected).filter(|(_, a)| *a) {
+        let mut shrinks = vec![false; widths.corner.len()];
+        for obstacle in &obstacles {
+            obstacle.corners.iter().for_each(|&c| shrinks[c] = true);
+            if let Some(arc) = obstacle.chain {
+                widths.shortest[arc] *= STRETCH;
+            }
+        }
+        let exhausted = (0..shrinks.len()).any(|c| shrinks[c] && widths.corner[c] * SHRINK < narrowest);
+        if !automatic || exhausted {
+            return Err(first(obstacles));
+        }
+        for (width, _) in widths.corner.iter_mut().zip(shrinks).filter(|(_, shrink)| *shrink) {
             *width *= SHRINK;
         }
     }
+    let set = maps.maps(network, &widths)?;
+    Err(first(check_maps(network, &set).obstacles))
+}
+
+fn first(obstacles: Vec<Obstacle>) -> BlendError {
+    let none = BlendError::Inconsistent { what: "no width was found in the attempts allowed".into() };
+    obstacles.into_iter().next().map_or(none, |o| o.error)
 }
 
 /// One edge of a trimming loop.

@@ -10,6 +10,9 @@ use crate::{BlendError, Network, gon};
 /// Samples per direction of a strip and per edge of a trimming loop.
 const SAMPLES: usize = 8;
 
+/// Smallest Jacobian of a strip map relative to its largest: what 9 × 9 samples may miss of a fold is small against it.
+const LEAST_JACOBIAN: f64 = 0.02;
+
 /// A map that cannot be used, with the corners whose widths it depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Obstacle {
@@ -17,6 +20,8 @@ pub struct Obstacle {
     pub error: BlendError,
     /// The corners whose widths could be reduced.
     pub corners: Vec<usize>,
+    /// The arc whose chain folds, if that is what is wrong.
+    pub chain: Option<usize>,
 }
 
 /// Smallest Jacobian of any map relative to its largest, and everything that is wrong.
@@ -37,7 +42,7 @@ pub fn check_maps(network: &Network, maps: &MapSet) -> MapReport {
         for (j, strip) in set.strips.iter().enumerate() {
             let sides = [network.segment(corner, j), network.segment(corner, (j + n - 1) % n)];
             let place = || format!("the strip beside corner {c} on arc {}", corner.arcs[j].arc);
-            check_strip(network, strip, sides, &[c], &place, &mut report);
+            check_strip(network, strip, sides, &[c], None, &place, &mut report);
         }
         for (j, map) in set.gon.iter().enumerate() {
             let segment = network.segment(corner, j);
@@ -52,7 +57,7 @@ pub fn check_maps(network: &Network, maps: &MapSet) -> MapReport {
             let place = || format!("strip {k} of arc {a}");
             // Only the ends of a chain depend on one corner alone.
             let corners = arc.corners;
-            check_strip(network, strip, [arc.right, arc.left], &corners, &place, &mut report);
+            check_strip(network, strip, [arc.right, arc.left], &corners, Some(a), &place, &mut report);
         }
     }
     for segment in 0..network.surfaces.len() {
@@ -66,6 +71,7 @@ fn check_strip(
     strip: &StripMaps,
     sides: [usize; 2],
     corners: &[usize],
+    chain: Option<usize>,
     place: &dyn Fn() -> String,
     report: &mut MapReport,
 ) {
@@ -76,9 +82,9 @@ fn check_strip(
             determinants.fold((f64::INFINITY, 0.0_f64), |(low, high), d| (low.min(d), high.max(d.abs())));
         let ratio = if high > 0.0 { low / high } else { 0.0 };
         report.jacobian = report.jacobian.min(ratio);
-        if !(ratio > 0.0) {
+        if !(ratio > LEAST_JACOBIAN) {
             let error = BlendError::Fold { place: place(), segment, jacobian: ratio };
-            report.obstacles.push(Obstacle { error, corners: corners.to_vec() });
+            report.obstacles.push(Obstacle { error, corners: corners.to_vec(), chain });
         }
         let points = grid.iter().map(|j| j.p);
         check_inside(&network.surfaces[segment], segment, points, corners, place, report);
@@ -109,7 +115,7 @@ fn check_inside(
     // Rounding beside the border is continued polynomially and harmless.
     if outside > 1e-12 {
         let error = BlendError::OutsideDomain { place: place(), segment, overshoot: outside };
-        report.obstacles.push(Obstacle { error, corners: corners.to_vec() });
+        report.obstacles.push(Obstacle { error, corners: corners.to_vec(), chain: None });
     }
 }
 
@@ -127,7 +133,7 @@ fn check_loop(network: &Network, maps: &MapSet, segment: usize, report: &mut Map
     let n = points.len();
     let area: f64 = (0..n).map(|i| points[i].0.perp_dot(points[(i + 1) % n].0)).sum();
     let mut blame = |corners: Vec<usize>| {
-        report.obstacles.push(Obstacle { error: BlendError::Overlap { segment }, corners });
+        report.obstacles.push(Obstacle { error: BlendError::Overlap { segment }, corners, chain: None });
     };
     if !(area > 0.0) {
         blame(edges.iter().flat_map(|e| e.corners).collect());

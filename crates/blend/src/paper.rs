@@ -22,6 +22,11 @@ use crate::{ArcCurve, ArcEnd, BlendError, Corner, Network, gon};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PaperMaps;
 
+/// Sharper angles (and reflex ones as close to a full turn) are laid out as if they were this wide: the reach of a corner grows like
+/// 1/sin(α/2), 5.7 widths at 20° for N = 3, and no arc has room for that. C² does not depend on the angle; the blend then lies
+/// beside the rays instead of on them.
+const NARROWEST: f64 = 50.0 * std::f64::consts::PI / 180.0;
+
 /// Least length of a chain in widths: one strip a third as long as it is wide.
 const SHORTEST_CHAIN: f64 = 0.3;
 
@@ -105,10 +110,10 @@ fn sector(
         let b = inverse * (prev.sample(reach[1].min(prev.length())).right - q);
         let start = a.to_angle();
         let alpha = (b.to_angle() - start).rem_euclid(TAU);
-        if !(alpha > 0.0) {
+        if !alpha.is_finite() {
             return Err(BlendError::Singular { segment, at: q.into() });
         }
-        let l = Layout::new(n, alpha, inner);
+        let l = Layout::new(n, alpha.clamp(NARROWEST, TAU - NARROWEST), inner);
         reach = [s * l.connection(); 2];
         layout = Some((l, DVec2::from_angle(start + 0.5 * alpha - FRAC_PI_2)));
     }
@@ -229,7 +234,7 @@ fn chain(
             limit: total / needed / network.diagonal,
         });
     }
-    let strips = ((available / (widths.shortest * mean)).floor() as usize).clamp(1, 10_000);
+    let strips = ((available / widths.shortest[index]).floor() as usize).clamp(1, 10_000);
     let stations: Vec<f64> = (1..strips).map(|k| reach[0] + available * k as f64 / strips as f64).collect();
     let width = |at: f64| ends[0] + (ends[1] - ends[0]) * at / total;
 

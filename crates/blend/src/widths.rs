@@ -35,7 +35,7 @@ pub struct WidthOptions {
 
 impl Default for WidthOptions {
     fn default() -> Self {
-        Self { intent: Intent::default(), wanted: 0.05, d_in: None, d_out: None, d_min: None, d_curv: 0.3 }
+        Self { intent: Intent::default(), wanted: 0.03, d_in: None, d_out: None, d_min: None, d_curv: 0.3 }
     }
 }
 
@@ -46,8 +46,9 @@ pub struct Widths {
     pub corner: Vec<f64>,
     /// Share of `d_in` in the full width.
     pub inner: f64,
-    /// Shortest strip as a multiple of the width at its place.
-    pub shortest: f64,
+    /// Shortest strip on every arc. It does not shrink with the widths: fewer, longer strips carry a narrow blend around a bend that
+    /// many short ones would follow into a fold.
+    pub shortest: Vec<f64>,
     /// See [`WidthOptions::d_curv`].
     pub d_curv: f64,
 }
@@ -59,10 +60,10 @@ pub fn reach(n: usize) -> f64 {
     REACH.get(n.wrapping_sub(3)).copied().unwrap_or(3.320 + 0.68 * (n as f64 - 6.0))
 }
 
-/// How far the blends at a corner of valence `n` extend out of the segments they blend, in widths: across the N-gon, and never
-/// less than the width of a strip.
+/// How far the blends at a corner of valence `n` extend out of the segments they blend, in widths: the N-gon lies about the corner,
+/// the strips half outside.
 pub fn outward_reach(n: usize) -> f64 {
-    (2.0 * gon::circumradius(n)).max(1.0)
+    gon::circumradius(n).max(0.5)
 }
 
 /// Largest admissible width at every corner from the lengths of its arcs alone, before any map exists: both ends' reach plus one strip
@@ -116,7 +117,14 @@ impl Widths {
                 admissible(&valences, &arcs, options.wanted * network.diagonal)
             }
         };
-        let width = given.unwrap_or(options.wanted);
-        Ok(Self { corner, inner, shortest: options.d_min.map_or(1.0, |d| d / width), d_curv: options.d_curv })
+        let shortest = network
+            .arcs
+            .iter()
+            .map(|arc| {
+                let mean = 0.5 * (corner[arc.corners[0]] + corner[arc.corners[1]]);
+                options.d_min.map_or(mean, |d| d * network.diagonal)
+            })
+            .collect();
+        Ok(Self { corner, inner, shortest, d_curv: options.d_curv })
     }
 }

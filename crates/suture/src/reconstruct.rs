@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use suture_bernstein::BSplineSurface;
 use suture_blend::{ArcCurve, ArcEnd, ArcSample, Blend, Corner, CornerMaps, Network, PaperMaps, WidthOptions};
 use suture_certify::{Certificate, CertifyOptions, Deviation, SurfaceSamples, certify, deviation};
 use suture_fit::{Fit, FitInput, FitOptions, FitSurface, PenalizedLeastSquares};
@@ -106,8 +107,8 @@ pub fn reconstruct(
     let segmentation = clock.run(Stage::Segment, 1, || Ok(stages.segment.segment(mesh, &topology)?))?;
 
     let (charts, fits, lines) = clock.run(Stage::Fit, segmentation.charts.len(), || {
-        let lines = arc_lines(mesh, &topology, &segmentation, options.fair);
-        let collars = collar_widths(&segmentation, &lines, &options.widths, diagonal);
+        let lines = arc_lines(mesh, &topology, &segmentation, options);
+        let collars = collar_widths(mesh, &segmentation, &lines, &options.widths, diagonal);
         let (parameterize, fit) = (stages.parameterize.as_ref(), stages.fit.as_ref());
         let charted: Vec<(Chart, Fit)> = (0..segmentation.charts.len())
             .into_par_iter()
@@ -179,12 +180,26 @@ struct ArcLine {
     right: Vec<MeshPoint>,
 }
 
-fn arc_lines(mesh: &TriMesh, topology: &Topology, segmentation: &Segmentation, fair: Fairness) -> Vec<ArcLine> {
-    match fair {
-        Fairness::Fair(options) => fair_arcs(mesh, topology, segmentation, &options)
-            .into_iter()
-            .map(|line| ArcLine { left: line.clone(), right: line })
-            .collect(),
+/// Bends shorter than this many widths are smoothed away: a strip folds where its arc bends within half of its width, which a bend of
+/// three widths does only at an amplitude of half a width.
+const FAIR_WIDTHS: f64 = 1.5;
+
+fn arc_lines(
+    mesh: &TriMesh,
+    topology: &Topology,
+    segmentation: &Segmentation,
+    options: &ReconstructOptions,
+) -> Vec<ArcLine> {
+    match options.fair {
+        Fairness::Fair(fair) => {
+            let edge = suture_mesh::median_edge_length(mesh);
+            let width = FAIR_WIDTHS * options.widths.wanted * mesh.diagonal();
+            let fair = FairOptions { cutoff: fair.cutoff.max(width / edge), ..fair };
+            fair_arcs(mesh, topology, segmentation, &fair)
+                .into_iter()
+                .map(|line| ArcLine { left: line.clone(), right: line })
+                .collect()
+        }
         Fairness::Edges => {
             segmentation.arcs.iter().map(|arc| edge_line(mesh, topology, &arc.vertices)).collect()
         }
@@ -213,6 +228,7 @@ fn length(line: &[MeshPoint]) -> f64 {
 
 /// Width of the collar of every segment: how far blends will reach out of it.
 fn collar_widths(
+    mesh: &TriMesh,
     segmentation: &Segmentation,
     lines: &[ArcLine],
     widths: &WidthOptions,
@@ -242,7 +258,22 @@ fn collar_widths(
             *collar = collar.max(width * suture_blend::outward_reach(valences[c]));
         }
     }
-    collars
+    // A fair arc leaves the border of its segments, and the blends go with it.
+    let mut shifts = vec![0.0_f64; segmentation.charts.len()];
+    for (arc, line) in segmentation.arcs.iter().zip(lines) {
+        let chain = |p: DVec3| {
+            arc.vertices
+                .iter()
+                .map(|&v| mesh.positions[v as usize].distance_squared(p))
+                .fold(f64::INFINITY, f64::min)
+        };
+        let shift = line.left.iter().map(|p| chain(p.position)).fold(0.0, f64::max).sqrt();
+        for segment in [arc.left, arc.right] {
+            let s = &mut shifts[segment as usize];
+            *s = s.max(shift);
+        }
+    }
+    collars.iter().zip(shifts).map(|(collar, shift)| collar + shift).collect()
 }
 
 /// Most rings of a collar: a bound for meshes whose triangles are tiny against the width of the blends.
@@ -268,7 +299,7 @@ fn chart(
         .map_err(wrong)?;
     let chart = Chart::flatten(disc, &parameterize, &Limits::default()).map_err(wrong)?;
     // Where the collar stops short (a crease, a handle), the B-spline continues on its own.
-    let reach = (collar - chart.disc.reach.unwrap_or(0.0)).max(0.0);
+    let reach = collar;
     let input = FitInput {
         points: &chart.disc.positions,
         params: &chart.uv,
@@ -300,9 +331,12 @@ fn network(
         .map(|(a, (arc, line))| {
             let start = segmentation.corners[arc.corners[0]].vertex;
             let sides = |line: &ArcLine| {
-                let left = parameters(&charts[arc.left as usize], start, &line.left)?;
-                let right = parameters(&charts[arc.right as usize], start, &line.right)?;
-                Some((left, right))
+                let side = |segment: u32, line: &[MeshPoint]| {
+                    let s = segment as usize;
+                    let at = parameters(&charts[s], start, line)?;
+                    Some(line.iter().zip(at).map(|(x, at)| foot_point(&fits[s].surface, x.position, at)).collect::<Vec<_>>())
+                };
+                Some((side(arc.left, &line.left)?, side(arc.right, &line.right)?))
             };
             let (line, (left, right)) = match sides(&line) {
                 Some(found) => (line, found),
@@ -337,6 +371,38 @@ fn network(
     let surfaces = fits.iter().map(|f| std::sync::Arc::new(f.surface.clone())).collect();
     Ok(Network { surfaces, corners, arcs, diagonal })
 }
+
+/// The parameter of the point of `surface` nearest to `x`, from a guess: Gauss–Newton with halved steps.
+///
+/// The barycentric parameters of a line are only as smooth as the triangles of the chart, which scatter with the vertices; the
+/// foot points of a fair line are as smooth as the surface. Each foot point lies within the guess's own distance of `x`.
+fn foot_point(surface: &BSplineSurface<DVec3>, x: DVec3, guess: DVec2) -> DVec2 {
+    let mut at = guess;
+    let mut jet = surface.jet(at);
+    for _ in 0..FOOT_STEPS {
+        let gap = x - jet.p;
+        let (e, f, g) = (jet.du.length_squared(), jet.du.dot(jet.dv), jet.dv.length_squared());
+        let determinant = e * g - f * f;
+        if !(determinant > 1e-12 * e * g) {
+            break;
+        }
+        let (a, b) = (gap.dot(jet.du), gap.dot(jet.dv));
+        let mut step = DVec2::new(g * a - f * b, e * b - f * a) / determinant;
+        let mut next = surface.jet(at + step);
+        while next.p.distance_squared(x) > jet.p.distance_squared(x) && step != DVec2::ZERO {
+            step *= 0.5;
+            if step.length_squared() <= f64::EPSILON * f64::EPSILON * at.length_squared() {
+                return at;
+            }
+            next = surface.jet(at + step);
+        }
+        (at, jet) = (at + step, next);
+    }
+    at
+}
+
+/// Steps of a foot point: it converges quadratically where the surface is near, and need not where it is not.
+const FOOT_STEPS: usize = 8;
 
 /// Parameters of a polyline that starts at mesh vertex `start` on the border of the segment. Of several copies of a face in the
 /// collar the one that continues the line is meant. `None` where a face is not in the chart.
