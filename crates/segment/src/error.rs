@@ -22,7 +22,9 @@ pub enum SegmentError {
         faces: usize,
     },
     /// The adjacency was built from another mesh.
-    #[error("the mesh has {faces} faces, the adjacency {adjacent}; build it from this mesh")]
+    #[error(
+        "the adjacency ({adjacent} faces) is not that of the mesh ({faces} faces); build it from this mesh"
+    )]
     MeshMismatch {
         /// Faces of the mesh.
         faces: usize,

@@ -29,15 +29,25 @@ impl Default for NormalSpread {
     }
 }
 
-impl Flatten for NormalSpread {
-    fn distortion(&self, mesh: &TriMesh, _: &Topology, faces: &[u32]) -> Option<f64> {
+impl NormalSpread {
+    /// E = 1 − |Σ A n| / Σ A of some faces: 0 in a plane, 1 where the normals cancel, NaN without area.
+    ///
+    /// # Panics
+    /// When a face does not exist.
+    pub fn spread(mesh: &TriMesh, faces: &[u32]) -> f64 {
         let (mut area, mut sum) = (0.0, DVec3::ZERO);
         for &f in faces {
             let a = mesh.area_vector(f as usize);
             area += a.length();
             sum += a;
         }
-        let spread = 1.0 - sum.length() / area;
+        1.0 - sum.length() / area
+    }
+}
+
+impl Flatten for NormalSpread {
+    fn distortion(&self, mesh: &TriMesh, _: &Topology, faces: &[u32]) -> Option<f64> {
+        let spread = Self::spread(mesh, faces);
         (spread <= self.limit).then(|| (1.0 - spread).powi(-2))
     }
 }

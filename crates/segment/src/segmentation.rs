@@ -198,7 +198,8 @@ pub(crate) fn smoothed_length(chain: &mut [DVec3]) -> f64 {
 /// Checks that the mesh is the one of the adjacency, closed and connected.
 pub(crate) fn check_mesh(mesh: &TriMesh, topology: &Topology) -> Result<(), SegmentError> {
     let (faces, adjacent) = (mesh.faces.len(), topology.face_count());
-    if faces != adjacent || mesh.positions.len() != topology.vertex_count() || faces == 0 {
+    let same = |f: usize| (0..3).all(|k| topology.tail((3 * f + k) as u32) == mesh.faces[f][k]);
+    if faces != adjacent || mesh.positions.len() != topology.vertex_count() || !(0..faces).all(same) {
         return Err(SegmentError::MeshMismatch { faces, adjacent });
     }
     for h in 0..topology.half_edge_count() as u32 {

@@ -56,7 +56,6 @@ struct Chart {
     area: f64,
     normal: DVec3,
     moment: DVec3,
-    perimeter: f64,
     version: u32,
 }
 
@@ -107,7 +106,6 @@ impl<'a> Map<'a> {
             .map(|chart| {
                 let border: Vec<usize> = chart.arcs.iter().map(|end| end.arc).collect();
                 let mut new = Chart {
-                    perimeter: border.iter().map(|&a| arcs[a].length).sum(),
                     arcs: border,
                     faces: chart.faces.clone(),
                     area: 0.0,
@@ -215,6 +213,11 @@ impl<'a> Map<'a> {
         Some((self.charts[arc.sides[0]].as_ref()?, self.charts[arc.sides[1]].as_ref()?))
     }
 
+    /// Smoothed, because the zigzag of mesh edges would count up to 1.4 times the length.
+    fn perimeter(&self, chart: &Chart) -> f64 {
+        chart.arcs.iter().map(|&a| self.arcs[a].smoothed).sum()
+    }
+
     fn versions(&self, arc: usize) -> Option<[u32; 2]> {
         self.pair(arc).map(|(a, b)| [a.version, b.version])
     }
@@ -231,7 +234,7 @@ impl<'a> Map<'a> {
         let arc = &self.arcs[arc];
         let spread = a.normal.length() + b.normal.length() - (a.normal + b.normal).length();
         let harmonic = a.area * b.area / (a.area + b.area);
-        let perimeter = a.perimeter + b.perimeter - 2.0 * arc.length;
+        let perimeter = self.perimeter(a) + self.perimeter(b) - 2.0 * arc.smoothed;
         let compact = perimeter * perimeter / (4.0 * std::f64::consts::PI * (a.area + b.area));
         let apart = (a.moment / a.area).distance_squared(b.moment / b.area);
         let crease = if arc.length > 0.0 { arc.crease / arc.length } else { 0.0 };
@@ -279,7 +282,7 @@ impl<'a> Map<'a> {
         let arc = &self.arcs[arc];
         let area = a.area + b.area;
         let cone = 1.0 - (a.normal + b.normal).length() / area;
-        let perimeter = a.perimeter + b.perimeter - 2.0 * arc.length;
+        let perimeter = self.perimeter(a) + self.perimeter(b) - 2.0 * arc.smoothed;
         let compact = perimeter * perimeter / (4.0 * std::f64::consts::PI * area);
         let round = rules.round.unwrap_or(f64::max(2.6, 6.0 * (1.0 - cone / 0.2)));
         if cone > rules.cone || arc.crease > rules.crease * arc.length || compact > round {
@@ -300,7 +303,6 @@ impl<'a> Map<'a> {
         let sides = self.arcs[arc].sides;
         let (kept, gone) = (sides[0].min(sides[1]), sides[0].max(sides[1]));
         let ends = self.arcs[arc].ends;
-        let length = self.arcs[arc].length;
         let Some(other) = self.charts[gone].take() else { return kept };
         for &x in &other.arcs {
             for side in &mut self.arcs[x].sides {
@@ -313,7 +315,6 @@ impl<'a> Map<'a> {
             chart.area += other.area;
             chart.normal += other.normal;
             chart.moment += other.moment;
-            chart.perimeter += other.perimeter - 2.0 * length;
             chart.version += 1;
             chart.faces.extend(other.faces);
             chart.arcs.extend(other.arcs);

@@ -94,6 +94,7 @@ impl Segment for Automatic {
             moves::move_corners(&shape, &mut labels, charts, max_valence);
             let moved = Segmentation::from_labels_with(mesh, topology, &labels, any)?;
             let mut map = Map::new(&shape, flatten, &moved);
+            map.greedy(Rules::cone(0.36), enough);
             map.lengthen(if round == 0 { 0.014 } else { 0.02 });
             now = Segmentation::from_labels_with(mesh, topology, &map.labels(), any)?;
         }

@@ -62,10 +62,6 @@ impl Mover<'_> {
                 continue;
             };
             moves += 1;
-            let touched: Vec<u32> =
-                changes.iter().flat_map(|&(f, new)| [new, self.labels[f as usize]]).collect();
-            // What blocked an arc may be gone when one of its charts changed.
-            blocked.retain(|(charts, _)| !charts.iter().any(|r| touched.contains(r)));
             for (f, new) in changes {
                 self.labels[f as usize] = new;
             }
