@@ -29,7 +29,7 @@ enum Expect {
     /// Read; the report satisfies the condition.
     Accept(fn(&MeshReport) -> bool),
     /// Read; mesh, notices and report satisfy the condition.
-    Loads(fn(&Loaded, &MeshReport) -> bool),
+    Loads(Condition),
     /// Not a mesh.
     Other,
 }
@@ -133,8 +133,11 @@ fn bad(file: &str) -> Option<Expect> {
 /// Vertices, faces, Euler characteristic, genus, loops and components of the data's own table.
 type Row = (usize, usize, i64, Option<usize>, usize, usize);
 
-fn wild(file: &str) -> Option<(Row, fn(&Loaded, &MeshReport) -> bool)> {
-    let none: fn(&Loaded, &MeshReport) -> bool = |_, _| true;
+/// What else must hold of a file.
+type Condition = fn(&Loaded, &MeshReport) -> bool;
+
+fn wild(file: &str) -> Option<(Row, Condition)> {
+    let none: Condition = |_, _| true;
     Some(match file {
         "blobby-shuffled.off" => ((2027, 4050, 2, Some(0), 0, 1), |_, r| r.misoriented.total == 3069),
         "tet-shuffled.off" => ((4, 4, 2, Some(0), 0, 1), |_, r| r.misoriented.total == 4),

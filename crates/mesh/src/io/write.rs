@@ -34,10 +34,10 @@ pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<(), MeshError> {
     write_with(path, mesh, WriteOptions::default())
 }
 
-/// [`write`] with options.
+/// [`write()`] with options.
 ///
 /// # Errors
-/// As for [`write`].
+/// As for [`write()`].
 pub fn write_with(path: impl AsRef<Path>, mesh: &TriMesh, options: WriteOptions) -> Result<(), MeshError> {
     let path = path.as_ref();
     let format = options
