@@ -27,6 +27,8 @@ pub struct Network {
 pub struct Corner {
     /// The arcs around the corner.
     pub arcs: Vec<ArcEnd>,
+    /// Largest width of the blends here: as far as the surfaces around the corner can be trusted outside their segments.
+    pub widest: f64,
 }
 
 /// One of the two ends of an arc.
@@ -162,6 +164,9 @@ impl Network {
         }
         for (i, corner) in self.corners.iter().enumerate() {
             let n = corner.arcs.len();
+            if !(corner.widest > 0.0) {
+                return Err(BlendError::Width { name: "widest", value: corner.widest });
+            }
             if !(3..=MAX_VALENCE).contains(&n) {
                 return Err(BlendError::Valence { corner: i, valence: n });
             }

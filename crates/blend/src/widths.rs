@@ -106,7 +106,7 @@ impl Widths {
             (None, None) => (None, ratio),
         };
         let valences: Vec<usize> = network.corners.iter().map(|c| c.arcs.len()).collect();
-        let corner = match given {
+        let corner: Vec<f64> = match given {
             Some(width) => vec![width * network.diagonal; valences.len()],
             None => {
                 let arcs: Vec<_> = network
@@ -114,7 +114,8 @@ impl Widths {
                     .iter()
                     .map(|a| (a.corners, a.lengths().last().copied().unwrap_or(0.0)))
                     .collect();
-                admissible(&valences, &arcs, options.wanted * network.diagonal)
+                let admissible = admissible(&valences, &arcs, options.wanted * network.diagonal);
+                admissible.into_iter().zip(&network.corners).map(|(w, c)| w.min(c.widest)).collect()
             }
         };
         let shortest = network

@@ -100,7 +100,7 @@ fn cube() -> Network {
                 let next = ends.iter().find(|e| right(e) == left(ordered.last().unwrap())).unwrap();
                 ordered.push(*next);
             }
-            Corner { arcs: ordered }
+            Corner { arcs: ordered, widest: f64::INFINITY }
         })
         .collect();
     Network {

@@ -72,16 +72,7 @@ fn fair_arc(
     let count = if edge > 0.0 { ((2.0 * total / edge).ceil() as usize).clamp(8, 100_000) } else { 8 };
     let step = total / count as f64;
 
-    let creased: Vec<bool> = chain
-        .windows(2)
-        .map(|w| match topology.half_edge(w[0], w[1]).and_then(|h| Some((h, topology.opposite(h)?))) {
-            Some((h, o)) => {
-                let (a, b) = (mesh.area_vector(h as usize / 3), mesh.area_vector(o as usize / 3));
-                a.cross(b).length().atan2(a.dot(b)) > options.crease
-            }
-            None => false,
-        })
-        .collect();
+    let creased = creased(mesh, topology, chain, options.crease);
 
     let mut start: Vec<(DVec3, u32, f64)> = Vec::with_capacity(count + 1);
     for i in 0..=count {
@@ -126,6 +117,30 @@ fn fair_arc(
     points.dedup_by(|b, a| a.position == b.position);
     points
 }
+
+/// Which edges of a chain are part of a crease that it follows: bent by more than `angle`, and the chain runs straight through
+/// both of their ends. On coarse and rough meshes many edges are bent, but a chain over them turns at every vertex.
+fn creased(mesh: &TriMesh, topology: &Topology, chain: &[u32], angle: f64) -> Vec<bool> {
+    let between = |a: DVec3, b: DVec3| a.cross(b).length().atan2(a.dot(b));
+    let along = |k: usize| mesh.positions[chain[k + 1] as usize] - mesh.positions[chain[k] as usize];
+    let last = chain.len() - 2;
+    (0..=last)
+        .map(|k| {
+            let straight = |a: usize, b: usize| between(along(a), along(b)) < STRAIGHT;
+            if (k > 0 && !straight(k - 1, k)) || (k < last && !straight(k, k + 1)) {
+                return false;
+            }
+            let sides =
+                topology.half_edge(chain[k], chain[k + 1]).and_then(|h| Some((h, topology.opposite(h)?)));
+            sides.is_some_and(|(h, o)| {
+                between(mesh.area_vector(h as usize / 3), mesh.area_vector(o as usize / 3)) > angle
+            })
+        })
+        .collect()
+}
+
+/// Largest turn, in radians, between consecutive edges of a crease: 40°.
+const STRAIGHT: f64 = 0.7;
 
 /// Minimises `Σ w |p − q|² + μ Σ |p_{i−1} − 2 p_i + p_{i+1}|²` by a Cholesky factorisation of its pentadiagonal matrix.
 fn smooth(targets: &[DVec3], weights: &[f64], mu: f64) -> Vec<DVec3> {
