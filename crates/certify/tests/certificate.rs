@@ -208,3 +208,14 @@ fn arguments_are_checked() {
     limits.limits.normal = f64::NAN;
     assert!(matches!(refused(1.0, limits), CertifyError::Limit { name: "normal", .. }));
 }
+
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    let whole = sphere_patches();
+    let mut patches = whole.clone();
+    patches[3] = patches[3].moved(DMat3::from_rotation_y(1e-3), DVec3::splat(1e-4));
+    let surface = sewn(&whole, patches, Continuity::C2);
+    let with =
+        |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(|| measured(&surface));
+    assert_eq!(with(1), with(5));
+}

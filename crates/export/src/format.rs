@@ -55,7 +55,7 @@ impl Format {
             .ok_or_else(|| ExportError::UnknownFormat { path: path.to_owned(), known })
     }
 
-    /// Whether the format holds triangles, and so [`write`] needs a tessellation.
+    /// Whether the format holds triangles, and so [`write()`] needs a tessellation.
     pub fn needs_tessellation(self) -> bool {
         self != Self::Native
     }
