@@ -10,12 +10,14 @@ use crate::segmentation::reach;
 
 /// Most moves per call.
 const MOVES: usize = 80;
+/// Most arcs looked at per call, successful moves included; a count and not a time, so that machines agree.
+const ATTEMPTS: usize = 240;
 /// Largest number of faces a move looks at.
 const BALL: usize = 20_000;
 
 /// Lengthens short arcs one by one: for the arc that admits the least width, tries to push its ends outwards, to let other
 /// corners slide, and to exchange the neighbours across it, and keeps the valid result with the least objective. Stops when no
-/// short arc can be improved or after 80 moves.
+/// short arc can be improved, after 80 moves or 240 attempts.
 pub(super) fn move_corners(shape: &Shape, labels: &mut Vec<u32>, charts: usize, max_valence: usize) {
     let mut mover = Mover {
         shape,
@@ -50,7 +52,10 @@ impl Mover<'_> {
         let Some(mut survey) = self.surveyor.survey(&self.labels, &self.borders, self.charts) else { return };
         let mut blocked: Vec<([u32; 2], [u32; 2])> = Vec::new();
         let mut moves = 0;
-        while moves < MOVES {
+        for _ in 0..ATTEMPTS {
+            if moves == MOVES {
+                return;
+            }
             let shortest = survey
                 .arcs
                 .iter()
@@ -62,6 +67,10 @@ impl Mover<'_> {
                 continue;
             };
             moves += 1;
+            let touched: Vec<u32> =
+                changes.iter().flat_map(|&(f, new)| [new, self.labels[f as usize]]).collect();
+            // What blocked an arc may be gone when one of its charts changed.
+            blocked.retain(|(charts, _)| !charts.iter().any(|r| touched.contains(r)));
             for (f, new) in changes {
                 self.labels[f as usize] = new;
             }
