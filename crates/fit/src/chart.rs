@@ -67,8 +67,8 @@ impl<'a> Chart<'a> {
         let (centre, scale) = local(input.points);
         let points: Vec<DVec3> = input.points.iter().map(|&x| (x - centre) / scale).collect();
         let (frame, size) = minimum_area_rectangle(input.params);
-        if !(size.x > 0.0) || !(size.y > NARROWEST * size.x) {
-            let ratio = if size.x > 0.0 { size.y / size.x } else { 0.0 };
+        let ratio = if size.x > 0.0 { size.y / size.x } else { 0.0 };
+        if ratio.is_nan() || ratio < NARROWEST {
             return Err(FitError::Collinear { ratio, limit: NARROWEST });
         }
         let params: Vec<DVec2> = input.params.iter().map(|&p| frame.apply(p)).collect();
@@ -93,10 +93,10 @@ impl<'a> Chart<'a> {
         let mut weights: Vec<f64> = around.into_iter().map(sum).collect();
         let space = sum(weights.clone());
         let area = sum(flat);
-        if !(space > 0.0) {
+        if space.is_nan() || space <= 0.0 {
             return Err(FitError::ZeroArea { place: "in space" });
         }
-        if !(area > 0.0) {
+        if area.is_nan() || area <= 0.0 {
             return Err(FitError::ZeroArea { place: "in the parameter plane" });
         }
         weights.iter_mut().for_each(|w| *w /= space);

@@ -25,10 +25,10 @@ pub(crate) fn inspect(chart: &Chart<'_>, cells: &Cells, params: &[DVec2], net: &
         for k in 0..SAMPLES * SAMPLES {
             let t = DVec2::new(cell[0] as f64 + sample(k / SAMPLES), cell[1] as f64 + sample(k % SAMPLES));
             let p = grid.jet(net, grid.lower + t * grid.step).p;
-            let overshoot = p.distance(p.clamp(low, high));
-            if !(overshoot == 0.0) {
+            let overshoot = if p.is_finite() { p.distance(p.clamp(low, high)) } else { f64::MAX };
+            if overshoot > 0.0 {
                 report.outside += 1;
-                if !(overshoot <= worst.0) {
+                if overshoot > worst.0 {
                     worst = (overshoot, Some(cell));
                 }
             }
@@ -44,7 +44,7 @@ pub(crate) fn inspect(chart: &Chart<'_>, cells: &Cells, params: &[DVec2], net: &
             }
         }
     }
-    report.overshoot = worst.0 * chart.relative;
+    report.overshoot = (worst.0 * chart.relative).min(f64::MAX);
     report.cell = worst.1.or(flipped_cell);
     report
 }

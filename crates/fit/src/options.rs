@@ -154,7 +154,7 @@ impl FitOptions {
                 return Err(FitError::Value { name: "knots.cells", value: coefficients as f64, expected });
             }
         }
-        if !(self.correction_noise >= 0.0) {
+        if self.correction_noise.is_nan() || self.correction_noise < 0.0 {
             let value = self.correction_noise;
             return Err(FitError::Value { name: "correction_noise", value, expected: "not negative" });
         }

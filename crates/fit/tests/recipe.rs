@@ -175,7 +175,7 @@ fn the_order_of_vertices_and_triangles_does_not_matter() {
     let chart = Chart::disc(25, 0.12, torus).noisy(1e-3, 3, false);
     let n = chart.points.len();
     let to = |i: usize| (i * 7 + 3) % n;
-    assert!(n % 7 != 0);
+    assert!(!n.is_multiple_of(7));
     let mut other = chart.clone();
     for i in 0..n {
         other.points[to(i)] = chart.points[i];
@@ -287,7 +287,8 @@ fn few_vertices_fall_back_to_one_cell() {
 #[test]
 fn vertices_on_a_conic_fall_back_to_the_second_order() {
     let n = 24;
-    let params: Vec<DVec2> = (0..n).map(|k| DVec2::from_angle(k as f64 / n as f64 * 6.283)).collect();
+    let params: Vec<DVec2> =
+        (0..n).map(|k| DVec2::from_angle(k as f64 / n as f64 * std::f64::consts::TAU)).collect();
     let triangles: Vec<[u32; 3]> = (1..n as u32 - 1).map(|k| [0, k, k + 1]).collect();
     let chart = Chart {
         points: params.iter().map(|p| p.extend(0.1 * p.x)).collect(),
