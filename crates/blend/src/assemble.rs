@@ -26,16 +26,17 @@ pub struct Blend {
 /// How often widths shrink before the obstacle becomes the error.
 const ATTEMPTS: usize = 200;
 /// By how much they shrink at a time.
-const SHRINK: f64 = 0.8;
+const SHRINK: f64 = 0.9;
 /// Narrowest width relative to the diagonal: below, the curvature of the blends amplifies rounding and says nothing of the shape.
 const NARROWEST: f64 = 5e-4;
-/// By how much the strips of an arc grow at a time where its chain folds.
-const STRETCH: f64 = 1.25;
+/// Lengths of strips, as multiples of the first one, that are tried in turn on an arc whose chain folds: longer ones pass over what
+/// scatters, shorter ones follow what bends.
+const LENGTHS: [f64; 5] = [1.0, 2.0, 0.5, 1.4, 0.7];
 
 /// Blends a network of B-splines into one C² surface.
 ///
-/// Widths that were not given shrink, at the corners concerned, until every map is usable; where a chain folds, its strips
-/// become fewer as well.
+/// Widths that were not given shrink, at the corners concerned, until every map is usable; where a chain folds, the length of
+/// its strips changes as well.
 ///
 /// # Errors
 /// [`BlendError`]: the network is inconsistent, or an obstacle remains (see [`Obstacle`]).
@@ -44,6 +45,8 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
     let mut widths = Widths::resolve(network, options)?;
     let automatic = options.d_in.is_none() && options.d_out.is_none();
     let narrowest = NARROWEST * network.diagonal;
+    let lengths = widths.shortest.clone();
+    let mut folds = vec![0; lengths.len()];
     for _ in 0..ATTEMPTS {
         let obstacles = match maps.maps(network, &widths) {
             Ok(set) => {
@@ -59,11 +62,16 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
             Err(error) => return Err(error),
         };
         let mut shrinks = vec![false; widths.corner.len()];
+        let mut folding = vec![false; lengths.len()];
         for obstacle in &obstacles {
             obstacle.corners.iter().for_each(|&c| shrinks[c] = true);
             if let Some(arc) = obstacle.chain {
-                widths.shortest[arc] *= STRETCH;
+                folding[arc] = true;
             }
+        }
+        for arc in (0..folding.len()).filter(|&a| folding[a]) {
+            folds[arc] += 1;
+            widths.shortest[arc] = lengths[arc] * LENGTHS[folds[arc] % LENGTHS.len()];
         }
         let exhausted = (0..shrinks.len()).any(|c| shrinks[c] && widths.corner[c] * SHRINK < narrowest);
         if !automatic || exhausted {

@@ -46,8 +46,8 @@ pub struct Widths {
     pub corner: Vec<f64>,
     /// Share of `d_in` in the full width.
     pub inner: f64,
-    /// Shortest strip on every arc. It does not shrink with the widths: fewer, longer strips carry a narrow blend around a bend that
-    /// many short ones would follow into a fold.
+    /// Shortest strip on every arc. It does not shrink with the widths: a narrow blend needs no more strips than a wide one to
+    /// follow its arc.
     pub shortest: Vec<f64>,
     /// See [`WidthOptions::d_curv`].
     pub d_curv: f64,
