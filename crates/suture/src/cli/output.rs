@@ -84,5 +84,5 @@ pub(crate) fn report(report: &Report, path: &Path) -> Result<(), SutureError> {
 /// Writes a text file whole or not at all.
 pub(crate) fn text(path: &Path, content: &str) -> Result<(), SutureError> {
     suture::mesh::io::atomic_write(path, |w| w.write_all(content.as_bytes()))
-        .map_err(|source| SutureError::Mesh { path: path.to_owned(), source })
+        .map_err(|source| SutureError::File { path: path.to_owned(), source })
 }
