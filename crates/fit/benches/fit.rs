@@ -1,5 +1,7 @@
 //! Time of assembly, factorisation and solution over the number of points.
 
+#![allow(missing_docs)]
+
 use std::hint::black_box;
 use std::time::Duration;
 

@@ -1,5 +1,5 @@
 //! Charts with known truth.
-#![allow(dead_code)]
+#![allow(dead_code, missing_docs, unreachable_pub)]
 
 use glam::{DVec2, DVec3};
 use suture_fit::FitInput;
