@@ -36,7 +36,7 @@ const LENGTHS: [f64; 5] = [1.0, 2.0, 0.5, 1.4, 0.7];
 /// Blends a network of B-splines into one C² surface.
 ///
 /// Widths that were not given shrink, at the corners concerned, until every map is usable; where a chain folds, the length of
-/// its strips changes as well.
+/// its strips changes and its points are smoothed as well.
 ///
 /// # Errors
 /// [`BlendError`]: the network is inconsistent, or an obstacle remains (see [`Obstacle`]).
@@ -71,6 +71,7 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
         }
         for arc in (0..folding.len()).filter(|&a| folding[a]) {
             folds[arc] += 1;
+            widths.passes[arc] += 1;
             widths.shortest[arc] = lengths[arc] * LENGTHS[folds[arc] % LENGTHS.len()];
         }
         let exhausted = (0..shrinks.len()).any(|c| shrinks[c] && widths.corner[c] * SHRINK < narrowest);

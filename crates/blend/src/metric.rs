@@ -31,7 +31,9 @@ mod tests {
         let t = isometry(&jet).unwrap();
         let along = |d: DVec2| jet.du * d.x + jet.dv * d.y;
         let (a, b) = (along(t.x_axis), along(t.y_axis));
-        assert!((a.length() - 1.0).abs() < 1e-15 && (b.length() - 1.0).abs() < 1e-15 && a.dot(b).abs() < 1e-15);
+        assert!(
+            (a.length() - 1.0).abs() < 1e-15 && (b.length() - 1.0).abs() < 1e-15 && a.dot(b).abs() < 1e-15
+        );
         assert!(t.determinant() > 0.0);
         // (13) as printed.
         let c = -jet.du.dot(jet.dv) / jet.du.length_squared();
@@ -42,7 +44,8 @@ mod tests {
     #[test]
     fn parallel_partials_have_no_metric_in_any_unit() {
         for scale in [1.0, 2.0_f64.powi(-300), 2.0_f64.powi(200)] {
-            let jet = Jet2 { du: DVec3::X * scale, dv: DVec3::new(1.0, 1e-8, 0.0) * scale, ..Jet2::default() };
+            let jet =
+                Jet2 { du: DVec3::X * scale, dv: DVec3::new(1.0, 1e-8, 0.0) * scale, ..Jet2::default() };
             assert_eq!(isometry(&jet), None);
         }
         assert_eq!(isometry(&Jet2::default()), None);

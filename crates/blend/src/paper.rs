@@ -256,9 +256,11 @@ fn chain(
         }));
         points.push(on_arc(&end));
         let second = |p: &[DVec2], i: usize| p[i + 1] - 2.0 * p[i] + p[i - 1];
-        let unmoved = points.clone();
-        for i in 1..strips {
-            points[i] += widths.d_curv * second(&unmoved, i);
+        for _ in 0..widths.passes[index] {
+            let unmoved = points.clone();
+            for i in 1..strips {
+                points[i] += widths.d_curv * second(&unmoved, i);
+            }
         }
 
         let mut nodes = vec![ChainNode { node: start, point: points[0] }];
@@ -340,9 +342,10 @@ mod tests {
                     let (sigma, kappa) = (0.5 * alpha).sin_cos();
                     let shift = DVec2::new(0.0, layout.shift);
                     // ↑ lies towards −U: its ray points along (−σ, κ), that of ↓ along (σ, κ).
-                    for (net, ray, inside) in
-                        [(&layout.up, DVec2::new(-sigma, kappa), 1), (&layout.down, DVec2::new(sigma, kappa), 0)]
-                    {
+                    for (net, ray, inside) in [
+                        (&layout.up, DVec2::new(-sigma, kappa), 1),
+                        (&layout.down, DVec2::new(sigma, kappa), 0),
+                    ] {
                         let (p_in, p_out) = (net[0][inside] + shift, net[0][1 - inside] + shift);
                         let on = p_in * (1.0 - inner) + p_out * inner;
                         assert!(on.perp_dot(ray).abs() < 1e-14 && on.dot(ray) > 0.0, "N = {n}, {degrees}°");

@@ -198,7 +198,10 @@ mod tests {
                         let second = got[i].duu * inward.x * inward.x
                             + 2.0 * got[i].duv * inward.x * inward.y
                             + got[i].dvv * inward.y * inward.y;
-                        assert!(first.abs() < 1e-12 && second.abs() < 1e-10, "H17, H18: {first:e} {second:e}");
+                        assert!(
+                            first.abs() < 1e-12 && second.abs() < 1e-10,
+                            "H17, H18: {first:e} {second:e}"
+                        );
                     }
                 }
             }

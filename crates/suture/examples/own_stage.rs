@@ -16,7 +16,13 @@ impl Segment for ByAxis {
                 let [a, b, c] = mesh.corners(f);
                 let centre = a + b + c;
                 let n = centre.abs();
-                let axis = if n.x >= n.y && n.x >= n.z { 0 } else if n.y >= n.z { 1 } else { 2 };
+                let axis = if n.x >= n.y && n.x >= n.z {
+                    0
+                } else if n.y >= n.z {
+                    1
+                } else {
+                    2
+                };
                 2 * axis + u32::from(centre[axis as usize] < 0.0)
             })
             .collect();

@@ -6,7 +6,9 @@ use std::time::Instant;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use suture_bernstein::BSplineSurface;
-use suture_blend::{ArcCurve, ArcEnd, ArcSample, Blend, Corner, CornerMaps, Network, PaperMaps, WidthOptions};
+use suture_blend::{
+    ArcCurve, ArcEnd, ArcSample, Blend, Corner, CornerMaps, Network, PaperMaps, WidthOptions,
+};
 use suture_certify::{Certificate, CertifyOptions, Deviation, SurfaceSamples, certify, deviation};
 use suture_fit::{Fit, FitInput, FitOptions, FitSurface, Outcome, PenalizedLeastSquares};
 use suture_mesh::{Topology, TriMesh};
@@ -106,8 +108,8 @@ pub fn reconstruct(
     let diagonal = mesh.diagonal();
     let segmentation = clock.run(Stage::Segment, 1, || Ok(stages.segment.segment(mesh, &topology)?))?;
 
-    let (charts, fits, reaches, lines) = clock.run(Stage::Fit, segmentation.charts.len(), || {
-        let lines = arc_lines(mesh, &topology, &segmentation, options);
+    let (charts, fits, reaches, mut lines) = clock.run(Stage::Fit, segmentation.charts.len(), || {
+        let lines = arc_lines(mesh, &topology, &segmentation, options, STRAIGHTNESS[0]);
         let collars = collar_widths(mesh, &segmentation, &lines, &options.widths, diagonal);
         let (parameterize, fit) = (stages.parameterize.as_ref(), stages.fit.as_ref());
         let charted: Vec<Charted> = (0..segmentation.charts.len())
@@ -116,7 +118,8 @@ pub fn reconstruct(
                 if watch.interrupted() {
                     return Err(SutureError::Interrupted);
                 }
-                let charted = chart(mesh, &topology, &segmentation, s, collars[s], parameterize, fit, options);
+                let charted =
+                    chart(mesh, &topology, &segmentation, s, collars[s], parameterize, fit, options);
                 watch.step();
                 charted
             })
@@ -132,19 +135,57 @@ pub fn reconstruct(
         Ok((split.0, split.1, split.2, lines))
     })?;
     let blend = clock.run(Stage::Blend, 1, || {
-        let network =
-            network(mesh, &topology, &segmentation, &charts, &fits, &reaches, lines, diagonal, &mut warnings)?;
-        Ok(suture_blend::blend(&network, stages.maps.as_ref(), &options.widths)?)
+        // Arcs that no width fits on may fit when they are drawn more or less straight.
+        let mut failure = None;
+        for (attempt, &straightness) in STRAIGHTNESS.iter().enumerate() {
+            let lines = match attempt {
+                0 => std::mem::take(&mut lines),
+                _ => arc_lines(mesh, &topology, &segmentation, options, straightness),
+            };
+            let mut notes = Vec::new();
+            let network = network(
+                mesh,
+                &topology,
+                &segmentation,
+                &charts,
+                &fits,
+                &reaches,
+                lines,
+                diagonal,
+                &mut notes,
+            )?;
+            match suture_blend::blend(&network, stages.maps.as_ref(), &options.widths) {
+                Ok(blend) => {
+                    warnings.append(&mut notes);
+                    return Ok(blend);
+                }
+                Err(error) => failure = failure.or(Some(error)),
+            }
+            if options.fair == Fairness::Edges {
+                break;
+            }
+        }
+        let none = || SutureError::Internal { what: "no way to draw the arcs was tried".into() };
+        Err(failure.map_or_else(none, SutureError::from))
     })?;
     let tessellation =
         clock.run(Stage::Tessellate, 1, || Ok(tessellate(&blend.surface, &options.tessellation)?))?;
     let certificate =
         clock.run(Stage::Certify, 1, || Ok(certify(&blend.surface, diagonal, &options.certify)?))?;
-    let deviation = clock.run(Stage::Deviation, 1, || {
-        Ok(deviation(mesh, &blend.surface, &samples(&tessellation))?)
-    })?;
+    let deviation =
+        clock.run(Stage::Deviation, 1, || Ok(deviation(mesh, &blend.surface, &samples(&tessellation))?))?;
     let seconds = clock.seconds;
-    Ok(Reconstruction { segmentation, charts, fits, blend, tessellation, certificate, deviation, seconds, warnings })
+    Ok(Reconstruction {
+        segmentation,
+        charts,
+        fits,
+        blend,
+        tessellation,
+        certificate,
+        deviation,
+        seconds,
+        warnings,
+    })
 }
 
 /// A tessellation as the plain data that the deviation is measured on.
@@ -190,17 +231,21 @@ struct ArcLine {
 /// three widths does only at an amplitude of half a width.
 const FAIR_WIDTHS: f64 = 1.5;
 
+/// Multiples of that length that are tried in turn when no width fits.
+const STRAIGHTNESS: [f64; 4] = [1.0, 3.0, 0.5, 8.0];
+
 fn arc_lines(
     mesh: &TriMesh,
     topology: &Topology,
     segmentation: &Segmentation,
     options: &ReconstructOptions,
+    straightness: f64,
 ) -> Vec<ArcLine> {
     match options.fair {
         Fairness::Fair(fair) => {
             let edge = suture_mesh::median_edge_length(mesh);
             let width = FAIR_WIDTHS * options.widths.wanted * mesh.diagonal();
-            let fair = FairOptions { cutoff: fair.cutoff.max(width / edge), ..fair };
+            let fair = FairOptions { cutoff: straightness * fair.cutoff.max(width / edge), ..fair };
             fair_arcs(mesh, topology, segmentation, &fair)
                 .into_iter()
                 .map(|line| ArcLine { left: line.clone(), right: line })
@@ -217,7 +262,8 @@ fn edge_line(mesh: &TriMesh, topology: &Topology, chain: &[u32]) -> ArcLine {
     let side = |left: bool| {
         (0..chain.len())
             .filter_map(|i| {
-                let (a, b) = if i + 1 < chain.len() { (chain[i], chain[i + 1]) } else { (chain[i - 1], chain[i]) };
+                let (a, b) =
+                    if i + 1 < chain.len() { (chain[i], chain[i + 1]) } else { (chain[i - 1], chain[i]) };
                 let h = if left { topology.half_edge(a, b) } else { topology.half_edge(b, a) }?;
                 let face = topology.face(h);
                 let barycentric = mesh.faces[face as usize].map(|v| if v == chain[i] { 1.0 } else { 0.0 });
@@ -397,7 +443,12 @@ fn network(
                 let side = |segment: u32, line: &[MeshPoint]| {
                     let s = segment as usize;
                     let at = parameters(&charts[s], start, line)?;
-                    Some(line.iter().zip(at).map(|(x, at)| foot_point(&fits[s].surface, x.position, at)).collect::<Vec<_>>())
+                    Some(
+                        line.iter()
+                            .zip(at)
+                            .map(|(x, at)| foot_point(&fits[s].surface, x.position, at))
+                            .collect::<Vec<_>>(),
+                    )
                 };
                 Some((side(arc.left, &line.left)?, side(arc.right, &line.right)?))
             };

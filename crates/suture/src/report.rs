@@ -299,11 +299,8 @@ impl Report {
 
     /// Enters the error that ended the command.
     pub fn fail(&mut self, error: &SutureError) {
-        self.error = Some(ErrorReport {
-            kind: error.kind().into(),
-            message: error.to_string(),
-            at: error.at(),
-        });
+        self.error =
+            Some(ErrorReport { kind: error.kind().into(), message: error.to_string(), at: error.at() });
     }
 
     /// Whether everything that was claimed was also measured: the certificate holds its claim and the tessellation is a closed,

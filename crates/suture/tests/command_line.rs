@@ -29,7 +29,8 @@ fn a_mesh_becomes_a_surface_in_every_format() {
     let folder = tempfile::tempdir().unwrap();
     let mesh = data("paper/deformed_tetrahedron.obj");
     let labels = data("paper/deformed_tetrahedron.labels");
-    let mut args = vec!["reconstruct", mesh.to_str().unwrap(), "--labels", labels.to_str().unwrap(), "--json", "r.json"];
+    let mut args =
+        vec!["reconstruct", mesh.to_str().unwrap(), "--labels", labels.to_str().unwrap(), "--json", "r.json"];
     let outputs = ["a.glb", "a.obj", "a.stl", "a.ply", "a.suture.json", "ä b.png"];
     outputs.iter().for_each(|o| args.extend(["-o", o]));
     let out = suture(&args, folder.path());
@@ -43,13 +44,19 @@ fn a_mesh_becomes_a_surface_in_every_format() {
 
     let r = report(&folder.path().join("r.json"));
     assert_eq!(r["certificate"]["measured"], "C2");
-    assert_eq!((r["surface"]["charts"].as_u64(), r["surface"]["patches"]["nblend"].as_u64()), (Some(4), Some(4)));
+    assert_eq!(
+        (r["surface"]["charts"].as_u64(), r["surface"]["patches"]["nblend"].as_u64()),
+        (Some(4), Some(4))
+    );
     assert_eq!(r["tessellation"]["genus"], r["input"]["genus"]);
     assert!(r["deviation"]["mesh_to_surface"]["rms"].as_f64().unwrap() > 0.0);
     assert!(r["seconds"]["total"].as_f64().unwrap() > 0.0);
 
     // The saved surface measures the same again.
-    let again = suture(&["certify", "a.suture.json", "--mesh", mesh.to_str().unwrap(), "--json", "c.json"], folder.path());
+    let again = suture(
+        &["certify", "a.suture.json", "--mesh", mesh.to_str().unwrap(), "--json", "c.json"],
+        folder.path(),
+    );
     assert_eq!(again.status.code(), Some(0), "{}", String::from_utf8_lossy(&again.stderr));
     let c = report(&folder.path().join("c.json"));
     assert_eq!(c["certificate"], r["certificate"]);
@@ -72,9 +79,21 @@ fn bytes_do_not_depend_on_threads() {
     let folder = tempfile::tempdir().unwrap();
     let mesh = data("paper/l_shape.obj");
     for threads in ["1", "4"] {
-        let (json, png, glb) = (format!("{threads}.json"), format!("{threads}.png"), format!("{threads}.glb"));
-        let args =
-            ["reconstruct", mesh.to_str().unwrap(), "--threads", threads, "-o", &json, "-o", &png, "-o", &glb, "--quiet"];
+        let (json, png, glb) =
+            (format!("{threads}.json"), format!("{threads}.png"), format!("{threads}.glb"));
+        let args = [
+            "reconstruct",
+            mesh.to_str().unwrap(),
+            "--threads",
+            threads,
+            "-o",
+            &json,
+            "-o",
+            &png,
+            "-o",
+            &glb,
+            "--quiet",
+        ];
         let out = suture(&args, folder.path());
         assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
         assert!(out.stdout.is_empty() && out.stderr.is_empty());
@@ -125,7 +144,12 @@ const PATIENCE: Duration = Duration::from_secs(120);
 fn check_bad(file: &Path, folder: &Path) {
     for command in ["check", "reconstruct"] {
         let start = Instant::now();
-        let out = suture(&[command, file.to_str().unwrap(), "--quiet", "--repair"][..if command == "check" { 3 } else { 4 }].as_ref(), folder);
+        let out = suture(
+            &[command, file.to_str().unwrap(), "--quiet", "--repair"]
+                [..if command == "check" { 3 } else { 4 }]
+                .as_ref(),
+            folder,
+        );
         let message = String::from_utf8_lossy(&out.stderr).into_owned();
         let code = out.status.code();
         assert!(matches!(code, Some(0..=2)), "{command} {}: {code:?} {message}", file.display());
@@ -144,7 +168,9 @@ fn every_bad_file_ends_in_success_or_one_message() {
         let Some(path) = shared(collection) else { continue };
         let mut files: Vec<PathBuf> = std::fs::read_dir(path).unwrap().map(|e| e.unwrap().path()).collect();
         files.sort();
-        for file in files.iter().filter(|f| !matches!(f.extension().and_then(|e| e.to_str()), Some("csv" | "labels"))) {
+        for file in
+            files.iter().filter(|f| !matches!(f.extension().and_then(|e| e.to_str()), Some("csv" | "labels")))
+        {
             check_bad(file, folder.path());
         }
     }

@@ -20,13 +20,23 @@ const GIVEN: [(&str, &str); 8] = [
     ("good/wingnut.obj", "labels/wingnut.vor.labels"),
 ];
 const AUTO: [&str; 10] = [
-    "sphere.obj", "torus.obj", "blobby.off", "spot.obj", "fish.obj", "hand.off", "cow.off", "knot1.off", "eight.off",
+    "sphere.obj",
+    "torus.obj",
+    "blobby.off",
+    "spot.obj",
+    "fish.obj",
+    "hand.off",
+    "cow.off",
+    "knot1.off",
+    "eight.off",
     "wingnut.obj",
 ];
 
 fn main() {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
-    println!("| case | segments | N-blends | strips | merged patches | rms % | max % | position | normal | curvature | Jacobian | width % | largest curvature | topology | s |");
+    println!(
+        "| case | segments | N-blends | strips | merged patches | rms % | max % | position | normal | curvature | Jacobian | width % | largest curvature | topology | s |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let case = |name: String, file: std::path::PathBuf, segment: Box<dyn Segment>| {
         if wanted.is_empty() || wanted.iter().any(|w| name.contains(w.as_str())) {
@@ -35,7 +45,11 @@ fn main() {
     };
     for (name, ..) in PAPER {
         let file = own(&format!("paper/{name}.obj"));
-        case(format!("{name}, labels"), file.clone(), Box::new(labels(&own(&format!("paper/{name}.labels")))));
+        case(
+            format!("{name}, labels"),
+            file.clone(),
+            Box::new(labels(&own(&format!("paper/{name}.labels")))),
+        );
         case(format!("{name}, automatic"), file, Box::new(Automatic::default()));
     }
     for (file, label) in GIVEN {
@@ -64,9 +78,8 @@ fn row(name: &str, file: &std::path::Path, segment: Box<dyn Segment>) {
         }
     };
     let seconds = start.elapsed().as_secs_f64();
-    let count = |f: &dyn Fn(PatchKind) -> bool| {
-        r.blend.surface.patches().iter().filter(|p| f(p.kind())).count()
-    };
+    let count =
+        |f: &dyn Fn(PatchKind) -> bool| r.blend.surface.patches().iter().filter(|p| f(p.kind())).count();
     let strips = count(&|k| matches!(k, PatchKind::Strip { .. } | PatchKind::AdjacentStrip));
     let gons = count(&|k| matches!(k, PatchKind::NBlend { .. }));
     let d = &r.deviation.mesh_to_surface;
@@ -95,15 +108,31 @@ fn row(name: &str, file: &std::path::Path, segment: Box<dyn Segment>) {
             .deviation
             .kinds
             .iter()
-            .map(|k| format!("{:?} rms {:.4}% max {:.3}%", k.kind, 100.0 * k.mesh_to_surface.rms, 100.0 * k.mesh_to_surface.max))
+            .map(|k| {
+                format!(
+                    "{:?} rms {:.4}% max {:.3}%",
+                    k.kind,
+                    100.0 * k.mesh_to_surface.rms,
+                    100.0 * k.mesh_to_surface.max
+                )
+            })
             .collect();
         eprintln!("  {}", kinds.join("; "));
+        if let Some(p) = c.worst.largest_curvature {
+            eprintln!("  largest curvature: {p:?} {:?}", c.patches[p.0 as usize]);
+        }
         eprintln!("  seconds {:?}", r.seconds);
         for (i, (f, ch)) in r.fits.iter().zip(&r.charts).enumerate() {
             eprintln!(
                 "  fit {i}: {:?} cells, rms {:.1e} max {:.1e} {:?} lambda {:.1e} guard {} area ratio {:.1} curvature {:.0}",
-                f.report.cells, f.report.rms, f.report.max, f.report.outcome, f.report.lambda, f.report.guard.increases,
-                ch.distortion.area_ratio, c.patches[i].curvature,
+                f.report.cells,
+                f.report.rms,
+                f.report.max,
+                f.report.outcome,
+                f.report.lambda,
+                f.report.guard.increases,
+                ch.distortion.area_ratio,
+                c.patches[i].curvature,
             );
         }
         for w in &r.warnings {

@@ -47,9 +47,8 @@ fn lscm(disc: &Disc) -> Result<serde_json::Value, Box<dyn std::error::Error>> {
 
 fn fit(disc: &Disc, order: EnergyOrder) -> Result<serde_json::Value, Box<dyn std::error::Error>> {
     let params = BoundaryScaleOne::default().parameterize(&disc.positions, &disc.faces)?;
-    let (low, high) = params
-        .iter()
-        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));
+    let (low, high) =
+        params.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));
     let pad = (high - low) * 0.05;
     let grid = Grid::new(low - pad, high + pad, [7, 5])?;
     let n = disc.positions.len();

@@ -21,7 +21,7 @@ const ROUNDS: usize = 60;
 pub(super) fn cells(shape: &Shape) -> Result<Vec<u32>, SegmentError> {
     let faces = shape.areas.len();
     let mut voronoi = Voronoi::new(shape, vec![first_seed(shape)]);
-    let most = (faces / 5).max(8).min(500).min(faces);
+    let most = (faces / 5).clamp(8, 500).min(faces);
     while voronoi.seeds.len() < most {
         let Some(f) = voronoi.farthest(|_| true) else { break };
         if (voronoi.distances[f as usize] as f64) < RADIUS * UNIT {

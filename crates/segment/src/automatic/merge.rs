@@ -166,7 +166,8 @@ impl<'a> Map<'a> {
                 .filter(|&(w, _)| w < least)
                 .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             let Some((_, arc)) = shortest else { return };
-            if self.merge_at(&self.arcs[arc].ends.to_vec()) {
+            let ends = self.arcs[arc].ends;
+            if self.merge_at(&ends) {
                 blocked.fill(false);
             } else {
                 blocked[arc] = true;

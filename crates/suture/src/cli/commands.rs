@@ -6,7 +6,9 @@ use clap::CommandFactory;
 use suture::blend::{Intent, WidthOptions};
 use suture::mesh::{Topology, TriMesh, shapes};
 use suture::segment::write_labels;
-use suture::{Fairness, ReconstructOptions, Report, Stages, SutureError, Watch, reconstruct, repair_all, samples};
+use suture::{
+    Fairness, ReconstructOptions, Report, Stages, SutureError, Watch, reconstruct, repair_all, samples,
+};
 
 use super::args::{self, Args, Command};
 use super::progress::Progress;
@@ -86,7 +88,8 @@ fn reconstruct_command(
     let mut json = None;
     if a.input.is_none() && paths.is_empty() {
         let folder = PathBuf::from(DEFAULT_FOLDER);
-        std::fs::create_dir_all(&folder).map_err(|source| SutureError::File { path: folder.clone(), source })?;
+        std::fs::create_dir_all(&folder)
+            .map_err(|source| SutureError::File { path: folder.clone(), source })?;
         paths = ["surface.glb", "surface.json", "surface.png"].map(|f| folder.join(f)).to_vec();
         json = common.json.is_none().then(|| folder.join("report.json"));
     }
@@ -249,7 +252,11 @@ fn summary(report: &Report) -> String {
     out
 }
 
-fn segment_command(a: &args::Segment, common: &args::Common, report: &mut Report) -> Result<bool, SutureError> {
+fn segment_command(
+    a: &args::Segment,
+    common: &args::Common,
+    report: &mut Report,
+) -> Result<bool, SutureError> {
     report.settings = settings(a);
     let mut notices = Vec::new();
     let mesh = input::mesh(&a.input, a.repair, &mut notices)?;
@@ -307,9 +314,13 @@ fn check_command(a: &args::Check, common: &args::Common, report: &mut Report) ->
     Ok(found.is_sound())
 }
 
-fn certify_command(a: &args::Certify, common: &args::Common, report: &mut Report) -> Result<bool, SutureError> {
-    let bytes = std::fs::read(&a.surface)
-        .map_err(|source| SutureError::File { path: a.surface.clone(), source })?;
+fn certify_command(
+    a: &args::Certify,
+    common: &args::Common,
+    report: &mut Report,
+) -> Result<bool, SutureError> {
+    let bytes =
+        std::fs::read(&a.surface).map_err(|source| SutureError::File { path: a.surface.clone(), source })?;
     let surface = suture::load_surface(&bytes)?;
     let options = ReconstructOptions::default();
     let tessellation = suture::tessellate::tessellate(&surface, &options.tessellation)?;

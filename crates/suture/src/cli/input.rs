@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use suture::{SutureError, repair_all};
 use suture::fit::{EnergyOrder, FitOptions, Mode, PenalizedLeastSquares, Smoothing};
 use suture::mesh::TriMesh;
 use suture::param::{Lscm, Parameterize, Recommended, Spectral};
 use suture::segment::{
     Automatic, AutomaticOptions, Labels, Segment, WaypointOptions, Waypoints, read_labels, read_paths,
 };
+use suture::{SutureError, repair_all};
 
 use super::args;
 
