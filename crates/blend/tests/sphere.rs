@@ -10,7 +10,7 @@ use suture_surface::{Jet2, PatchKind, Surface};
 /// Right-handed frame of the chart around the axis `face / 2`, on its positive or negative side.
 fn frame(face: usize) -> [DVec3; 3] {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-    let (a, sign) = (face / 2, if face % 2 == 0 { 1.0 } else { -1.0 });
+    let (a, sign) = (face / 2, [1.0, -1.0][face % 2]);
     let n = axes[a] * sign;
     let u = axes[(a + 1) % 3];
     [u, n.cross(u), n]

@@ -272,7 +272,7 @@ impl Report {
             .kinds
             .iter()
             .filter(|k| k.mesh_to_surface.count > 0)
-            .map(|k| (kind_name(k.kind).to_owned(), k.mesh_to_surface.clone()))
+            .map(|k| (kind_name(k.kind).to_owned(), k.mesh_to_surface))
             .fold(BTreeMap::<String, Stats>::new(), |mut map, (name, stats)| {
                 map.entry(name).and_modify(|s| *s = s.merge(&stats)).or_insert(stats);
                 map

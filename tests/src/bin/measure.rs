@@ -50,7 +50,7 @@ fn main() {
             file.clone(),
             Box::new(labels(&own(&format!("paper/{name}.labels")))),
         );
-        case(format!("{name}, automatic"), file, Box::new(Automatic::default()));
+        case(format!("{name}, automatic"), file, Box::<Automatic>::default());
     }
     for (file, label) in GIVEN {
         if let (Some(file), Some(path)) = (shared(file), shared(label)) {
@@ -63,7 +63,7 @@ fn main() {
         if let Some(label) = shared(&format!("labels_auto/{stem}.labels")) {
             case(format!("{stem}, labels_auto"), path.clone(), Box::new(labels(&label)));
         }
-        case(format!("{stem}, automatic"), path, Box::new(Automatic::default()));
+        case(format!("{stem}, automatic"), path, Box::<Automatic>::default());
     }
 }
 

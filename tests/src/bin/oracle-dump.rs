@@ -46,7 +46,7 @@ fn lscm(disc: &Disc) -> Result<serde_json::Value, Box<dyn std::error::Error>> {
 }
 
 fn fit(disc: &Disc, order: EnergyOrder) -> Result<serde_json::Value, Box<dyn std::error::Error>> {
-    let params = BoundaryScaleOne::default().parameterize(&disc.positions, &disc.faces)?;
+    let params = BoundaryScaleOne.parameterize(&disc.positions, &disc.faces)?;
     let (low, high) =
         params.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));
     let pad = (high - low) * 0.05;
@@ -84,7 +84,7 @@ fn measures(file: &Path, mesh: &TriMesh) -> serde_json::Value {
         .sum();
     json!({
         "file": file, "vertices": mesh.positions.len(), "faces": mesh.faces.len(), "area": area, "volume": volume,
-        "euler": suture::mesh::check(mesh).euler,
+        "euler": suture::mesh::check(mesh).euler_characteristic,
     })
 }
 

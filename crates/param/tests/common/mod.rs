@@ -6,7 +6,7 @@ use suture_mesh::{Topology, TriMesh};
 use suture_param::{CollarOptions, Disc, disc_with_collar};
 
 /// A file of the public test data, or `None` (with a printed reason) where the data is not installed.
-pub fn data(name: &str) -> Option<String> {
+pub(crate) fn data(name: &str) -> Option<String> {
     let path = format!("{}/../../../shared/data/{name}", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path);
     if let Err(e) = &text {
@@ -16,7 +16,7 @@ pub fn data(name: &str) -> Option<String> {
 }
 
 /// OFF and OBJ files of triangles, in the numbering of the file.
-pub fn mesh(name: &str) -> Option<TriMesh> {
+pub(crate) fn mesh(name: &str) -> Option<TriMesh> {
     let text = data(name)?;
     let mut lines = text.lines().map(|l| l.split('#').next().unwrap()).filter(|l| !l.trim().is_empty());
     let words = |l: &str| l.split_whitespace().map(str::to_string).collect::<Vec<_>>();
@@ -49,7 +49,7 @@ pub fn mesh(name: &str) -> Option<TriMesh> {
 }
 
 /// Faces of every label, ascending.
-pub fn segments(name: &str) -> Option<Vec<Vec<u32>>> {
+pub(crate) fn segments(name: &str) -> Option<Vec<Vec<u32>>> {
     let text = data(name)?;
     let mut segments: Vec<Vec<u32>> = Vec::new();
     for (f, label) in text.split_whitespace().enumerate() {
@@ -62,23 +62,23 @@ pub fn segments(name: &str) -> Option<Vec<Vec<u32>>> {
 }
 
 /// The whole of an open mesh.
-pub fn whole(mesh: &TriMesh) -> Disc {
+pub(crate) fn whole(mesh: &TriMesh) -> Disc {
     let all: Vec<u32> = (0..mesh.faces.len() as u32).collect();
     disc(mesh, &all, 0)
 }
 
-pub fn disc(mesh: &TriMesh, segment: &[u32], max_rings: usize) -> Disc {
+pub(crate) fn disc(mesh: &TriMesh, segment: &[u32], max_rings: usize) -> Disc {
     let topology = Topology::build(mesh).unwrap();
     disc_with_collar(mesh, &topology, segment, &CollarOptions { max_rings, ..smooth() }).unwrap()
 }
 
 /// Collars that cross every edge.
-pub fn smooth() -> CollarOptions {
+pub(crate) fn smooth() -> CollarOptions {
     CollarOptions { sharp: std::f64::consts::PI, ..Default::default() }
 }
 
 /// An `m × n` grid of quads over [0, m] × [0, n], cut alternately, mapped into space.
-pub fn grid(m: u32, n: u32, map: impl Fn(f64, f64) -> DVec3) -> TriMesh {
+pub(crate) fn grid(m: u32, n: u32, map: impl Fn(f64, f64) -> DVec3) -> TriMesh {
     let at = |i: u32, j: u32| j * (m + 1) + i;
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
     for j in 0..=n {
@@ -94,7 +94,7 @@ pub fn grid(m: u32, n: u32, map: impl Fn(f64, f64) -> DVec3) -> TriMesh {
 }
 
 /// A closed `m × n` torus, every quad cut the same way.
-pub fn torus(m: u32, n: u32) -> TriMesh {
+pub(crate) fn torus(m: u32, n: u32) -> TriMesh {
     let at = |i: u32, j: u32| (j % n) * m + i % m;
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
     for j in 0..n {
@@ -110,7 +110,7 @@ pub fn torus(m: u32, n: u32) -> TriMesh {
 }
 
 /// An octahedron, refined and pushed onto the unit sphere.
-pub fn sphere(levels: u32) -> TriMesh {
+pub(crate) fn sphere(levels: u32) -> TriMesh {
     let mut positions = vec![DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
     let mut faces: Vec<[u32; 3]> =
         vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
@@ -134,17 +134,17 @@ pub fn sphere(levels: u32) -> TriMesh {
 }
 
 /// Numbers of a fixed sequence.
-pub struct Numbers(pub u64);
+pub(crate) struct Numbers(pub u64);
 
 impl Numbers {
     /// Uniform in [0, 1).
-    pub fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
     /// A permutation of 0 … n − 1.
-    pub fn permutation(&mut self, n: usize) -> Vec<u32> {
+    pub(crate) fn permutation(&mut self, n: usize) -> Vec<u32> {
         let mut p: Vec<u32> = (0..n as u32).collect();
         for i in (1..n).rev() {
             p.swap(i, (self.next() * (i + 1) as f64) as usize);
@@ -155,7 +155,7 @@ impl Numbers {
 
 /// The same mesh under another numbering of vertices and faces, and with other first corners: new numbers of old vertices and
 /// faces.
-pub fn renumbered(mesh: &TriMesh, seed: u64) -> (TriMesh, Vec<u32>, Vec<u32>) {
+pub(crate) fn renumbered(mesh: &TriMesh, seed: u64) -> (TriMesh, Vec<u32>, Vec<u32>) {
     let mut numbers = Numbers(seed);
     let vertices = numbers.permutation(mesh.positions.len());
     let faces = numbers.permutation(mesh.faces.len());
@@ -171,17 +171,17 @@ pub fn renumbered(mesh: &TriMesh, seed: u64) -> (TriMesh, Vec<u32>, Vec<u32>) {
     (new, vertices, faces)
 }
 
-pub fn mapped(mesh: &TriMesh, map: impl Fn(DVec3) -> DVec3) -> TriMesh {
+pub(crate) fn mapped(mesh: &TriMesh, map: impl Fn(DVec3) -> DVec3) -> TriMesh {
     TriMesh::new(mesh.positions.iter().map(|&p| map(p)).collect(), mesh.faces.clone())
 }
 
-pub fn turn() -> DQuat {
+pub(crate) fn turn() -> DQuat {
     DQuat::from_axis_angle(DVec3::new(0.3, -0.5, 0.7).normalize(), 1.234)
 }
 
 /// Largest distance between corresponding points after the best similarity of `from` onto `to`, relative to the extent of `to`.
 #[track_caller]
-pub fn similarity_error(from: &[DVec2], to: &[DVec2]) -> f64 {
+pub(crate) fn similarity_error(from: &[DVec2], to: &[DVec2]) -> f64 {
     assert_eq!(from.len(), to.len());
     let n = from.len() as f64;
     let mean = |p: &[DVec2]| p.iter().copied().sum::<DVec2>() / n;

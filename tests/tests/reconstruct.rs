@@ -1,0 +1,158 @@
+//! The main job on the project's own meshes, and on real ones where they are at hand.
+
+use glam::{DMat3, DVec3};
+use suture::mesh::TriMesh;
+use suture::segment::{Automatic, Labels};
+use suture::surface::{Continuity, PatchKind};
+use suture::{Reconstruction, mesh::check};
+use suture_tests::{PAPER, labels, mapped, mesh, own, run, shared};
+
+/// What every reconstruction must fulfil.
+#[track_caller]
+fn check_whole(name: &str, input: &TriMesh, r: &Reconstruction) {
+    let c = &r.certificate;
+    assert_eq!((c.claimed, c.measured, c.open_edges), (Continuity::C2, Some(Continuity::C2), 0), "{name}");
+    assert!(c.position <= 1e-12 && c.normal <= 1e-9 && c.curvature <= 1e-6, "{name}: {c:?}");
+    let t = check(&r.tessellation.mesh);
+    assert!(t.closed && t.manifold && t.oriented, "{name}: {t}");
+    assert_eq!(t.genus, check(input).genus, "{name}");
+}
+
+#[test]
+fn paper_shapes_with_labels() {
+    for (name, triangles, segments, gons, _) in PAPER {
+        let input = mesh(&own(&format!("paper/{name}.obj")));
+        let r = run(&input, Box::new(labels(&own(&format!("paper/{name}.labels"))))).unwrap();
+        check_whole(name, &input, &r);
+        let count =
+            r.blend.surface.patches().iter().filter(|p| matches!(p.kind(), PatchKind::NBlend { .. })).count();
+        assert_eq!(
+            (input.faces.len(), r.segmentation.charts.len(), count),
+            (triangles, segments, gons),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn paper_shapes_without_labels() {
+    for (name, ..) in PAPER {
+        let input = mesh(&own(&format!("paper/{name}.obj")));
+        let r = run(&input, Box::<Automatic>::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        check_whole(name, &input, &r);
+    }
+}
+
+#[test]
+fn a_sphere_is_a_sphere() {
+    let (Some(file), Some(label)) = (shared("good/sphere.obj"), shared("labels/sphere.cube6.labels")) else {
+        return;
+    };
+    let input = mesh(&file);
+    let r = run(&input, Box::new(labels(&label))).unwrap();
+    check_whole("sphere", &input, &r);
+    for (p, patch) in r
+        .tessellation
+        .corner_parameters
+        .iter()
+        .flatten()
+        .zip(r.tessellation.triangle_patch.iter().flat_map(|id| [id; 3]))
+    {
+        let jet = r.blend.surface.patch(*patch).unwrap().jet(*p);
+        let deviation = (jet.p.length() - 1.0).abs() / input.diagonal();
+        assert!(deviation <= 1e-4, "{deviation:e}");
+    }
+}
+
+#[test]
+fn real_meshes_with_labels() {
+    // The smaller ones: the whole collection is measured by `cargo run --release -p suture-tests --bin measure`.
+    for (file, label, rms, max) in [
+        ("good/torus.obj", "labels/torus.grid8.labels", 1e-4, 1e-3),
+        ("good/blobby.off", "labels/blobby.vor.labels", 2e-3, 2e-2),
+        ("good/spot.obj", "labels/spot.vor.labels", 2e-3, 2e-2),
+    ] {
+        let (Some(file), Some(label)) = (shared(file), shared(label)) else { return };
+        let input = mesh(&file);
+        let r = run(&input, Box::new(labels(&label))).unwrap();
+        check_whole(&file.display().to_string(), &input, &r);
+        let d = &r.deviation.mesh_to_surface;
+        assert!(d.rms <= rms && d.max <= max, "{}: rms {:e}, max {:e}", file.display(), d.rms, d.max);
+    }
+}
+
+/// Largest distance between corresponding points of two reconstructions, relative to the diagonal of the first input. `back` takes the
+/// second one to the first.
+fn distance(a: &Reconstruction, b: &Reconstruction, diagonal: f64, back: impl Fn(DVec3) -> DVec3) -> f64 {
+    assert_eq!(a.blend.surface.patches().len(), b.blend.surface.patches().len());
+    // Patches may be numbered differently: nearest vertices of the tessellations, both ways of one sample.
+    let points: Vec<DVec3> = b.tessellation.mesh.positions.iter().map(|&p| back(p)).collect();
+    a.tessellation
+        .mesh
+        .positions
+        .iter()
+        .step_by(7)
+        .map(|p| points.iter().map(|q| q.distance_squared(*p)).fold(f64::INFINITY, f64::min).sqrt())
+        .fold(0.0, f64::max)
+        / diagonal
+}
+
+fn tetrahedron() -> (TriMesh, Labels) {
+    let file = |e: &str| own(&format!("paper/deformed_tetrahedron.{e}"));
+    (mesh(&file("obj")), labels(&file("labels")))
+}
+
+#[test]
+fn scaling_by_powers_of_two_scales_the_result() {
+    let (input, given) = tetrahedron();
+    let r = run(&input, Box::new(given.clone())).unwrap();
+    let auto = run(&input, Box::<Automatic>::default()).unwrap();
+    for scale in [2.0_f64.powi(20), 2.0_f64.powi(-20)] {
+        let scaled = mapped(&input, |p| p * scale);
+        let s = run(&scaled, Box::new(given.clone())).unwrap();
+        let d = distance(&r, &s, input.diagonal(), |p| p / scale);
+        assert!(d <= 1e-9, "with labels, scale {scale:e}: {d:e}");
+        let s = run(&scaled, Box::<Automatic>::default()).unwrap();
+        let d = distance(&auto, &s, input.diagonal(), |p| p / scale);
+        assert!(d <= 1e-9, "without labels, scale {scale:e}: {d:e}");
+    }
+}
+
+#[test]
+fn moving_and_turning_moves_the_result() {
+    let (input, given) = tetrahedron();
+    let r = run(&input, Box::new(given.clone())).unwrap();
+    let shift = DVec3::new(8.0, -4.0, 2.0);
+    let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+    let s = run(&mapped(&input, |p| turn * p + shift), Box::new(given)).unwrap();
+    let d = distance(&r, &s, input.diagonal(), |p| turn.transpose() * (p - shift));
+    // The bounding box, to which tolerances refer, turns with the mesh: the same charts, other widths by the ratio of diagonals.
+    let ratio = mapped(&input, |p| turn * p).diagonal() / input.diagonal();
+    assert!(d <= 1e-2 * (1.0 + (ratio - 1.0).abs()), "{d:e}");
+    let (input, given) = tetrahedron();
+    let s = run(&mapped(&input, |p| p + shift), Box::new(given)).unwrap();
+    let d = distance(&r, &s, input.diagonal(), |p| p - shift);
+    assert!(d <= 1e-9, "{d:e}");
+}
+
+#[test]
+fn numbering_does_not_matter_with_labels() {
+    let (input, given) = tetrahedron();
+    let r = run(&input, Box::new(given.clone())).unwrap();
+    let (v, f) = (input.positions.len(), input.faces.len());
+    // Multiplication by a number prime to the size is a permutation.
+    let (new_v, new_f) = (|i: usize| (i * 37 + 11) % v, |i: usize| (i * 53 + 5) % f);
+    let mut shuffled = input.clone();
+    let mut shuffled_labels = given.clone();
+    for i in 0..v {
+        shuffled.positions[new_v(i)] = input.positions[i];
+    }
+    for i in 0..f {
+        let [a, b, c] = input.faces[i].map(|w| new_v(w as usize) as u32);
+        shuffled.faces[new_f(i)] = [b, c, a];
+        shuffled_labels.0[new_f(i)] = given.0[i];
+    }
+    let s = run(&shuffled, Box::new(shuffled_labels)).unwrap();
+    let d = distance(&r, &s, input.diagonal(), |p| p);
+    assert!(d <= 1e-9, "{d:e}");
+}
