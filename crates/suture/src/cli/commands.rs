@@ -321,7 +321,12 @@ fn certify_command(
 ) -> Result<bool, SutureError> {
     let bytes =
         std::fs::read(&a.surface).map_err(|source| SutureError::File { path: a.surface.clone(), source })?;
-    let surface = suture::load_surface(&bytes)?;
+    let surface = suture::load_surface(&bytes).map_err(|e| SutureError::Unsuitable {
+        what: format!(
+            "{}: not a surface saved as native JSON by `suture reconstruct -o NAME.json`: {e}",
+            a.surface.display()
+        ),
+    })?;
     let options = ReconstructOptions::default();
     let tessellation = suture::tessellate::tessellate(&surface, &options.tessellation)?;
     let mut notices = Vec::new();
