@@ -329,7 +329,7 @@ fn collar_widths(
 }
 
 /// Most rings of a collar: a bound for meshes whose triangles are tiny against the width of the blends.
-const MAX_RINGS: usize = 24;
+const MAX_RINGS: usize = 12;
 
 /// Parts of the wanted collar that are tried in turn; the last one is a single ring.
 const COLLARS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
