@@ -18,7 +18,7 @@ pub(crate) fn all(root: &Path) -> Result<(), String> {
     // All targets: libraries, binaries, tests, examples and benches are all built.
     step("clippy", || call(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     // Doc tests included; --all-targets would leave them out. Examples are built, not run.
-    step("test", || call(&["test", "--workspace"]))?;
+    step("test", || call(&["test", "--workspace", "--no-fail-fast"]))?;
     step("doc", || {
         run(cargo()
             .args(["doc", "--workspace", "--no-deps"])

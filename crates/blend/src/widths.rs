@@ -56,10 +56,9 @@ pub struct Widths {
 }
 
 /// Distance, in widths, between a corner of valence `n` and the line where the strips along its arcs begin, for equal angles
-/// and a ratio of 2 : 1, the worst case of the two intents: 1.107, 1.917, 2.637, 3.320 for 3, 4, 5, 6.
+/// and a ratio of 2 : 1, the worst case of the two intents: 23/12 · cot(π/n), that is 1.107, 1.917, 2.638, 3.320 for 3, 4, 5, 6.
 pub fn reach(n: usize) -> f64 {
-    const REACH: [f64; 4] = [1.107, 1.917, 2.637, 3.320];
-    REACH.get(n.wrapping_sub(3)).copied().unwrap_or(3.320 + 0.68 * (n as f64 - 6.0))
+    23.0 / 6.0 * gon::apothem(n)
 }
 
 /// How far the blends at a corner of valence `n` extend out of the segments they blend, in widths: the N-gon lies about the corner,
