@@ -171,7 +171,7 @@ fn unequal_widths_are_c2() {
     let mut network = cube();
     // One short arc narrows two corners; the widths vary along the arcs that leave them.
     for s in &mut network.arcs[0].samples {
-        s.position *= 0.3;
+        s.position *= 0.1;
     }
     let blend = blend(&network, &PaperMaps, &WidthOptions::default()).unwrap();
     assert!(blend.widths.corner.iter().any(|w| *w < 0.9 * blend.widths.corner[7]));
