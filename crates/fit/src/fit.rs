@@ -63,10 +63,6 @@ impl FitSurface for PenalizedLeastSquares {
 const FEW: usize = 10;
 /// Margin of the domain rectangle, as a part of its square-root area.
 const MARGIN: f64 = 0.05;
-/// Most coefficients per vertex, where there are more than [`PLENTY`]: half a coefficient is where fits begin.
-const PER_VERTEX: usize = 16;
-/// So many coefficients are always affordable.
-const PLENTY: usize = 4096;
 /// λ at least this many floors means that the residual is noise.
 const NOISE_LIMITED: f64 = 10.0;
 /// How often the guards may raise λ tenfold.
@@ -134,8 +130,7 @@ fn lay_grid(chart: &Chart<'_>, params: &[DVec2], h: f64, options: &FitOptions) -
         let margin = pad(chart, root, 0.0);
         return Grid::new(low - margin, high + margin, [1, 1]);
     }
-    // A margin much wider than the chart must not turn a few vertices into a huge system.
-    let limit = options.knots.limit.min((PER_VERTEX * chart.vertices).max(PLENTY)) as f64;
+    let limit = options.knots.limit as f64;
     // At least the spacing at which the unpadded rectangle reaches the limit: bounds the loop below.
     let mut h = h.max(root / limit.sqrt()).max(size.max_element() / limit);
     loop {
