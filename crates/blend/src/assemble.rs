@@ -33,13 +33,10 @@ const NARROWEST: f64 = 5e-4;
 /// scatters, shorter ones follow what bends.
 const LENGTHS: [f64; 5] = [1.0, 2.0, 0.5, 1.4, 0.7];
 
-/// How often at most the points of such an arc are smoothed.
-const PASSES: usize = 3;
-
 /// Blends a network of B-splines into one C² surface.
 ///
 /// Widths that were not given shrink, at the corners concerned, until every map is usable; where a chain folds, the length of
-/// its strips changes and its points are smoothed as well.
+/// its strips changes as well.
 ///
 /// # Errors
 /// [`BlendError`]: the network is inconsistent, or an obstacle remains (see [`Obstacle`]).
@@ -74,7 +71,6 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
         }
         for arc in (0..folding.len()).filter(|&a| folding[a]) {
             folds[arc] += 1;
-            widths.passes[arc] = 1 + folds[arc] / LENGTHS.len() % PASSES;
             widths.shortest[arc] = lengths[arc] * LENGTHS[folds[arc] % LENGTHS.len()];
         }
         let exhausted = (0..shrinks.len()).any(|c| shrinks[c] && widths.corner[c] * SHRINK < narrowest);

@@ -256,11 +256,9 @@ fn chain(
         }));
         points.push(on_arc(&end));
         let second = |p: &[DVec2], i: usize| p[i + 1] - 2.0 * p[i] + p[i - 1];
-        for _ in 0..widths.passes[index] {
-            let unmoved = points.clone();
-            for i in 1..strips {
-                points[i] += widths.d_curv * second(&unmoved, i);
-            }
+        let unmoved = points.clone();
+        for i in 1..strips {
+            points[i] += widths.d_curv * second(&unmoved, i);
         }
 
         let mut nodes = vec![ChainNode { node: start, point: points[0] }];

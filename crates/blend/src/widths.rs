@@ -51,8 +51,6 @@ pub struct Widths {
     pub shortest: Vec<f64>,
     /// See [`WidthOptions::d_curv`].
     pub d_curv: f64,
-    /// How often the points of every arc are moved by `d_curv`: once (Section 6.5 of the paper), more often where the chain folds.
-    pub passes: Vec<usize>,
 }
 
 /// Distance, in widths, between a corner of valence `n` and the line where the strips along its arcs begin, for equal angles
@@ -127,7 +125,6 @@ impl Widths {
                 options.d_min.map_or(mean, |d| d * network.diagonal)
             })
             .collect();
-        let passes = vec![1; network.arcs.len()];
-        Ok(Self { corner, inner, shortest, d_curv: options.d_curv, passes })
+        Ok(Self { corner, inner, shortest, d_curv: options.d_curv })
     }
 }
