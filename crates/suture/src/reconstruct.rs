@@ -111,15 +111,27 @@ pub fn reconstruct(
     let (charts, fits, reaches, mut lines) = clock.run(Stage::Fit, segmentation.charts.len(), || {
         let lines = arc_lines(mesh, &topology, &segmentation, options, STRAIGHTNESS[0]);
         let collars = collar_widths(mesh, &segmentation, &lines, &options.widths, diagonal);
-        let (parameterize, fit) = (stages.parameterize.as_ref(), stages.fit.as_ref());
+        let sharp = match options.widths.intent {
+            suture_blend::Intent::Fidelity => CollarOptions::default().sharp,
+            suture_blend::Intent::Fillet => std::f64::consts::PI,
+        };
+        let context = Charting {
+            mesh,
+            topology: &topology,
+            segmentation: &segmentation,
+            parameterize: stages.parameterize.as_ref(),
+            fit: stages.fit.as_ref(),
+            sharp,
+            diagonal,
+            edge: suture_mesh::median_edge_length(mesh),
+        };
         let charted: Vec<Charted> = (0..segmentation.charts.len())
             .into_par_iter()
             .map(|s| {
                 if watch.interrupted() {
                     return Err(SutureError::Interrupted);
                 }
-                let charted =
-                    chart(mesh, &topology, &segmentation, s, collars[s], parameterize, fit, options);
+                let charted = chart(&context, s, collars[s]);
                 watch.step();
                 charted
             })
@@ -337,6 +349,21 @@ const COLLARS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
 /// Residual (relative to the diagonal) up to which a fit is good enough to keep a collar.
 const GOOD_FIT: f64 = 5e-4;
 
+/// What the charting of all segments shares, measured once.
+#[derive(Clone, Copy)]
+struct Charting<'a> {
+    mesh: &'a TriMesh,
+    topology: &'a Topology,
+    segmentation: &'a Segmentation,
+    parameterize: &'a (dyn Parameterize + Sync),
+    fit: &'a (dyn FitSurface + Sync),
+    /// Dihedral angle that collars do not cross.
+    sharp: f64,
+    diagonal: f64,
+    /// Median edge length.
+    edge: f64,
+}
+
 /// A segment with its chart, its B-spline, and how far outside the segment that may be used.
 struct Charted {
     chart: Chart,
@@ -346,21 +373,11 @@ struct Charted {
 
 /// Cuts, flattens and fits a segment with the widest collar that can be fitted well: a collar that runs into a cavity or over a
 /// tip spoils the whole chart (spot: residuals of 3e-3 with three rings, 3e-4 with one).
-fn chart(
-    mesh: &TriMesh,
-    topology: &Topology,
-    segmentation: &Segmentation,
-    segment: usize,
-    collar: f64,
-    parameterize: &(dyn Parameterize + Sync),
-    fit: &(dyn FitSurface + Sync),
-    options: &ReconstructOptions,
-) -> Result<Charted, SutureError> {
+fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted, SutureError> {
     let mut best: Option<(f64, Charted)> = None;
     let mut failure = None;
     for part in COLLARS {
-        let width = part * collar;
-        match collared(mesh, topology, segmentation, segment, width, parameterize, fit, options) {
+        match collared(context, segment, part * collar) {
             Ok(charted) => {
                 let report = &charted.fit.report;
                 let sound = report.guard.passed() && charted.chart.distortion.accepted;
@@ -385,35 +402,22 @@ fn chart(
 /// Residuals of charts with flipped samples or too much distortion count this much more.
 const UNSOUND: f64 = 4.0;
 
-fn collared(
-    mesh: &TriMesh,
-    topology: &Topology,
-    segmentation: &Segmentation,
-    segment: usize,
-    collar: f64,
-    parameterize: &(dyn Parameterize + Sync),
-    fit: &(dyn FitSurface + Sync),
-    options: &ReconstructOptions,
-) -> Result<Charted, SutureError> {
+fn collared(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted, SutureError> {
+    let Charting { mesh, topology, segmentation, parameterize, fit, .. } = *context;
     let wrong = |source| SutureError::Chart { segment, source };
-    let sharp = match options.widths.intent {
-        suture_blend::Intent::Fidelity => CollarOptions::default().sharp,
-        suture_blend::Intent::Fillet => std::f64::consts::PI,
-    };
-    let collar_options = CollarOptions { width: collar, max_rings: MAX_RINGS, sharp };
+    let collar_options = CollarOptions { width: collar, max_rings: MAX_RINGS, sharp: context.sharp };
     let disc = disc_with_collar(mesh, topology, &segmentation.charts[segment].faces, &collar_options)
         .map_err(wrong)?;
     let chart = Chart::flatten(disc, &parameterize, &Limits::default()).map_err(wrong)?;
     // A crease or a handle may stop the collar short: there the B-spline continues on its own.
     // Half a knot spacing, about an edge, it does so without harm.
-    let edge = suture_mesh::median_edge_length(mesh);
-    let reach = collar.max(chart.disc.reach.unwrap_or(0.0)).max(edge);
+    let reach = collar.max(chart.disc.reach.unwrap_or(0.0)).max(context.edge);
     let input = FitInput {
         points: &chart.disc.positions,
         params: &chart.uv,
         triangles: &chart.disc.faces,
         in_segment: &chart.disc.in_segment,
-        diagonal: mesh.diagonal(),
+        diagonal: context.diagonal,
         reach,
     };
     let fit = fit.fit(&input).map_err(|source| SutureError::Fit { segment, source })?;
