@@ -1,0 +1,2 @@
+//! C¹ implicit surfaces over triangle meshes with normals.
+#![forbid(unsafe_code)]
