@@ -25,6 +25,12 @@ pub enum PatchKind {
         /// Number of segments at the corner.
         n: u8,
     },
+    /// The part of an implicit surface over a face of the mesh.
+    Face,
+    /// The part of an implicit surface along an edge of the mesh.
+    Edge,
+    /// A plane face of the mesh, kept as it is.
+    Planar,
 }
 
 /// A parametric patch: the one noun that all methods share.
