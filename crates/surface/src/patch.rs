@@ -25,6 +25,11 @@ pub enum PatchKind {
         /// Number of segments at the corner.
         n: u8,
     },
+    /// A bubble spline patch over a face of a mesh.
+    Bubble {
+        /// Number of corners of the face, 3 or 4.
+        n: u8,
+    },
     /// The part of an implicit surface over a face of the mesh.
     Face,
     /// The part of an implicit surface along an edge of the mesh.
