@@ -42,7 +42,7 @@ const LENGTHS: [f64; 5] = [1.0, 2.0, 0.5, 1.4, 0.7];
 /// [`BlendError`]: the network is inconsistent, or an obstacle remains (see [`Obstacle`]).
 pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -> Result<Blend, BlendError> {
     network.check()?;
-    let mut widths = Widths::resolve(network, options)?;
+    let mut widths = Widths::resolve(network, maps, options)?;
     let automatic = options.d_in.is_none() && options.d_out.is_none();
     let narrowest = NARROWEST * network.diagonal;
     let lengths = widths.shortest.clone();

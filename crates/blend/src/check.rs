@@ -11,7 +11,7 @@ use crate::{BlendError, Network, gon};
 const SAMPLES: usize = 8;
 
 /// Smallest Jacobian of a strip map relative to its largest: what 9 × 9 samples may miss of a fold is small against it.
-const LEAST_JACOBIAN: f64 = 0.02;
+pub(crate) const LEAST_JACOBIAN: f64 = 0.02;
 
 /// A map that cannot be used, with the corners whose widths it depends on.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,10 +77,7 @@ fn check_strip(
 ) {
     for (map, segment) in [(&strip.down, sides[0]), (&strip.up, sides[1])] {
         let grid = jets(map);
-        let determinants = grid.iter().map(|j| j.du.perp_dot(j.dv));
-        let (low, high) =
-            determinants.fold((f64::INFINITY, 0.0_f64), |(low, high), d| (low.min(d), high.max(d.abs())));
-        let ratio = if high > 0.0 { low / high } else { 0.0 };
+        let ratio = jacobian(grid.iter().copied());
         report.jacobian = report.jacobian.min(ratio);
         if !(ratio > LEAST_JACOBIAN) {
             let error = BlendError::Fold { place: place(), segment, jacobian: ratio };
@@ -89,6 +86,19 @@ fn check_strip(
         let points = grid.iter().map(|j| j.p);
         check_inside(&network.surfaces[segment], segment, points, corners, place, report);
     }
+}
+
+/// Smallest Jacobian of a strip map relative to its largest.
+pub(crate) fn strip_jacobian(map: &BezierPatch<DVec2>) -> f64 {
+    jacobian(jets(map).into_iter())
+}
+
+/// Smallest Jacobian relative to the largest, 0 where there is none.
+pub(crate) fn jacobian(jets: impl Iterator<Item = Jet2<DVec2>>) -> f64 {
+    let determinants = jets.map(|j| j.du.perp_dot(j.dv));
+    let (low, high) =
+        determinants.fold((f64::INFINITY, 0.0_f64), |(low, high), d| (low.min(d), high.max(d.abs())));
+    if high > 0.0 { low / high } else { 0.0 }
 }
 
 fn jets(map: &BezierPatch<DVec2>) -> Vec<Jet2<DVec2>> {

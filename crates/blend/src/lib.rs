@@ -17,6 +17,7 @@
 
 mod assemble;
 mod check;
+mod correspondence;
 mod error;
 pub mod gon;
 mod maps;
@@ -31,6 +32,7 @@ mod widths;
 
 pub use assemble::{Blend, blend};
 pub use check::{MapReport, Obstacle, check_maps};
+pub use correspondence::Correspondence;
 pub use error::BlendError;
 pub use maps::{CornerMapSet, CornerMaps, MapSet, StripMaps};
 pub use metric::isometry;

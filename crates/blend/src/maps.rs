@@ -33,6 +33,8 @@ pub struct MapSet {
     /// Per arc, the strips between the two strips adjacent to its corners, `U` along the arc: `down` is the segment on the right of
     /// the arc, `up` the one on its left. At least one.
     pub chains: Vec<Vec<StripMaps>>,
+    /// Share of the lines of the reference maps that met no surface (0 for maps that shoot none).
+    pub missed: f64,
 }
 
 /// How the maps of a network are made: the stage of the blend that is worth swapping. Implementations fulfil (G1)–(G8)
@@ -43,6 +45,12 @@ pub trait CornerMaps {
     /// # Errors
     /// [`BlendError::ArcTooShort`] where the widths leave no room for a strip, [`BlendError::Singular`].
     fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, BlendError>;
+
+    /// Distance, in widths, between a corner of valence `n` with equal angles and the first cross line of its arcs: the first guess
+    /// of what fits on an arc.
+    fn reach(&self, valence: usize) -> f64 {
+        crate::reach(valence)
+    }
 }
 
 /// A line across a strip in one chart, with the first two derivatives along the strip: what two consecutive strips share.

@@ -45,17 +45,17 @@ impl CornerMaps for PaperMaps {
             .enumerate()
             .map(|(i, _)| chain(network, &lengths[i], i, &built, widths))
             .collect::<Result<_, _>>()?;
-        Ok(MapSet { corners: built.into_iter().map(|b| b.maps).collect(), chains })
+        Ok(MapSet { corners: built.into_iter().map(|b| b.maps).collect(), chains, missed: 0.0 })
     }
 }
 
 /// The maps around a corner and, per arc, how far from the corner its connection points lie (the farther of the two sides).
-struct CornerBuild {
-    maps: CornerMapSet,
-    connections: Vec<f64>,
+pub(crate) struct CornerBuild {
+    pub(crate) maps: CornerMapSet,
+    pub(crate) connections: Vec<f64>,
 }
 
-fn corner_maps(
+pub(crate) fn corner_maps(
     network: &Network,
     lengths: &[Vec<f64>],
     corner: &Corner,
@@ -298,7 +298,7 @@ fn chain(
 }
 
 /// The free end (`U = 0`) of an adjacent strip as a node of a chain.
-fn end_node(strip: &BezierPatch<DVec2>, reversed: bool) -> Node {
+pub(crate) fn end_node(strip: &BezierPatch<DVec2>, reversed: bool) -> Node {
     let columns = strip.degree()[1] + 1;
     let (row0, row1) = (&strip.net()[..columns], &strip.net()[columns..2 * columns]);
     let sign = if reversed { -5.0 } else { 5.0 };

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::gon;
-use crate::{BlendError, Network};
+use crate::{BlendError, CornerMaps, Network};
 
 /// What the blends are for: sets the ratio of the width inside to the width outside a segment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -66,8 +66,14 @@ pub fn outward_reach(n: usize) -> f64 {
 }
 
 /// Largest admissible width at every corner from the lengths of its arcs alone, before any map exists: both ends' reach plus one strip
-/// of the width's length must fit on every arc. `arcs` holds per arc its two corners and its length; the result is in its units.
-pub fn admissible(valences: &[usize], arcs: &[([usize; 2], f64)], wanted: f64) -> Vec<f64> {
+/// of the width's length must fit on every arc. `arcs` holds per arc its two corners and its length; `reach` is that of the maps ([`CornerMaps::reach`]); the
+/// result is in the units of the lengths.
+pub fn admissible(
+    valences: &[usize],
+    arcs: &[([usize; 2], f64)],
+    wanted: f64,
+    reach: impl Fn(usize) -> f64,
+) -> Vec<f64> {
     let mut widths = vec![wanted; valences.len()];
     for &([a, b], length) in arcs {
         let limit = length / (reach(valences[a]) + reach(valences[b]) + 1.0);
@@ -83,7 +89,7 @@ impl Widths {
     ///
     /// # Errors
     /// [`BlendError::Width`] when a given width is not positive.
-    pub fn resolve(network: &Network, options: &WidthOptions) -> Result<Self, BlendError> {
+    pub fn resolve(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -> Result<Self, BlendError> {
         for (name, value) in [
             ("wanted", Some(options.wanted)),
             ("d_in", options.d_in),
@@ -113,7 +119,8 @@ impl Widths {
                     .iter()
                     .map(|a| (a.corners, a.lengths().last().copied().unwrap_or(0.0)))
                     .collect();
-                let admissible = admissible(&valences, &arcs, options.wanted * network.diagonal);
+                let wanted = options.wanted * network.diagonal;
+                let admissible = admissible(&valences, &arcs, wanted, |n| maps.reach(n));
                 admissible.into_iter().zip(&network.corners).map(|(w, c)| w.min(c.widest)).collect()
             }
         };

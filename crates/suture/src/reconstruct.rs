@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use suture_bernstein::BSplineSurface;
 use suture_blend::{
-    ArcCurve, ArcEnd, ArcSample, Blend, Corner, CornerMaps, Network, PaperMaps, WidthOptions,
+    ArcCurve, ArcEnd, ArcSample, Blend, Corner, CornerMaps, Correspondence, Network, WidthOptions,
 };
 use suture_certify::{Certificate, CertifyOptions, Deviation, SurfaceSamples, certify, deviation};
 use suture_fit::{Fit, FitInput, FitOptions, FitSurface, Outcome, PenalizedLeastSquares};
@@ -36,7 +36,7 @@ impl Default for Stages<'_> {
             segment: Box::new(Automatic::default()),
             parameterize: Box::new(Recommended::default()),
             fit: Box::new(PenalizedLeastSquares { options: FitOptions::default() }),
-            maps: Box::new(PaperMaps),
+            maps: Box::new(Correspondence::default()),
         }
     }
 }
@@ -110,7 +110,7 @@ pub fn reconstruct(
 
     let (charts, fits, reaches, mut lines) = clock.run(Stage::Fit, segmentation.charts.len(), || {
         let lines = arc_lines(mesh, &topology, &segmentation, options, STRAIGHTNESS[0]);
-        let collars = collar_widths(mesh, &segmentation, &lines, &options.widths, diagonal);
+        let collars = collar_widths(mesh, &segmentation, &lines, &options.widths, stages.maps.as_ref(), diagonal);
         let sharp = match options.widths.intent {
             suture_blend::Intent::Fidelity => CollarOptions::default().sharp,
             suture_blend::Intent::Fillet => std::f64::consts::PI,
@@ -296,6 +296,7 @@ fn collar_widths(
     segmentation: &Segmentation,
     lines: &[ArcLine],
     widths: &WidthOptions,
+    maps: &dyn CornerMaps,
     diagonal: f64,
 ) -> Vec<f64> {
     let valences: Vec<usize> = segmentation.corners.iter().map(|c| c.arcs.len()).collect();
@@ -312,7 +313,7 @@ fn collar_widths(
                 .zip(lines)
                 .map(|(arc, line)| (arc.corners, length(&line.left)))
                 .collect();
-            suture_blend::admissible(&valences, &arcs, widths.wanted * diagonal)
+            suture_blend::admissible(&valences, &arcs, widths.wanted * diagonal, |n| maps.reach(n))
         }
     };
     let mut collars = vec![0.0_f64; segmentation.charts.len()];

@@ -1,0 +1,522 @@
+//! Maps with true correspondence: points that are blended lie on one line across the shape, so that a blend of charts that agree
+//! is the charts.
+//!
+//! All charts of a corner or an arc share one *reference map* `(Y, n)` into space; the parameter of a chart is where the line
+//! `Y + λ n` meets its surface, and the map `G` is the projection Π of these parameters onto the admissible maps: polynomials of degree
+//! `n` on the N-gon, of degree `(5, q)` on the strips, with (G1)–(G8) of Wagner et al. (2003) built in. Π is the same linear operator
+//! for every chart, hence exact where charts differ by an affine map, whatever the reference map is.
+//!
+//! Where that cannot work the degrees go down from (2, 2) to (1, 1); a corner whose arcs leave too close to each other gets the
+//! paper's maps, which do not look at the other charts at all.
+
+mod layout;
+mod line;
+mod project;
+mod reference;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use suture_bernstein::BezierPatch;
+
+use self::layout::Layout;
+use self::line::Line;
+use self::project::{Across, GonProjection, hermite, lines};
+use self::reference::{Centre, Jet};
+use crate::check::{LEAST_JACOBIAN, jacobian};
+use crate::maps::{CornerMapSet, CornerMaps, MapSet, Node, StripMaps, between};
+use crate::network::sample_at;
+use crate::paper;
+use crate::polynomial::PlanePolynomial;
+use crate::widths::Widths;
+use crate::{ArcCurve, ArcEnd, BlendError, Corner, Network, gon};
+
+/// How far the N-gon is enlarged for the fit of its maps: strips continue them beyond its edges.
+const ENLARGEMENT: f64 = 1.3;
+/// Share of missed lines above which the maps of a corner say nothing about the shape.
+const MOST_MISSED: f64 = 0.05;
+/// Least length of a chain in widths: one strip a third as long as it is wide.
+const SHORTEST_CHAIN: f64 = 0.3;
+
+/// The maps of the module's documentation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Correspondence {
+    /// Total degree of the maps of N-gons, 1 to 4.
+    pub gon: usize,
+    /// Degree of the maps of strips across their direction, at least `gon`.
+    pub across: usize,
+}
+
+impl Default for Correspondence {
+    /// (2, 2): (3, 3) gains only where the charts agree almost perfectly.
+    fn default() -> Self {
+        Self { gon: 2, across: 2 }
+    }
+}
+
+impl CornerMaps for Correspondence {
+    fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, BlendError> {
+        let top = self.gon.clamp(1, PlanePolynomial::MAX_DEGREE);
+        let across = self.across.clamp(top, suture_bernstein::MAX_DEGREE);
+        let lengths: Vec<Vec<f64>> = network.arcs.iter().map(ArcCurve::lengths).collect();
+        // The ladder: what folds at full degree is made again at degree 1, corners that fold even then by the paper.
+        let mut rungs = vec![Rung::Degree(top); network.corners.len()];
+        let mut orders = vec![across; network.arcs.len()];
+        let mut corners: Vec<Option<CornerBuild>> = network.corners.iter().map(|_| None).collect();
+        let mut arcs: Vec<Option<ArcBuild>> = network.arcs.iter().map(|_| None).collect();
+        loop {
+            // Only what is new: `None` marks what has to be made again.
+            corners = (corners.into_par_iter().zip(&rungs).enumerate())
+                .map(|(c, (old, &rung))| match old {
+                    Some(build) => Ok(Some(build)),
+                    None => CornerBuild::new(network, &lengths, c, rung, widths).map(Some),
+                })
+                .collect::<Result<_, BlendError>>()?;
+            let built: Vec<&CornerBuild> = corners.iter().flatten().collect();
+            arcs = (arcs.into_par_iter().zip(&orders).enumerate())
+                .map(|(a, (old, &q))| match old {
+                    Some(build) => Ok(Some(build)),
+                    None => ArcBuild::new(network, &lengths[a], a, &built, widths, q).map(Some),
+                })
+                .collect::<Vec<Result<_, BlendError>>>()
+                .into_iter()
+                .collect::<Result<_, BlendError>>()?;
+            let mut lowered = vec![false; network.corners.len()];
+            let mut again = vec![false; network.arcs.len()];
+            for (c, build) in corners.iter().enumerate() {
+                if let (Some(build), Rung::Degree(degree)) = (build, rungs[c]) {
+                    if build.layout.is_some() && build.poor(network, c) {
+                        rungs[c] = if degree > 1 { Rung::Degree(1) } else { Rung::Paper };
+                        lowered[c] = true;
+                    }
+                }
+            }
+            for (a, build) in arcs.iter().enumerate() {
+                if orders[a] > 1 && build.as_ref().is_some_and(ArcBuild::folds) {
+                    orders[a] = 1;
+                    again[a] = true;
+                    for c in network.arcs[a].corners {
+                        if matches!(rungs[c], Rung::Degree(d) if d > 1) {
+                            rungs[c] = Rung::Degree(1);
+                            lowered[c] = true;
+                        }
+                    }
+                }
+            }
+            if !lowered.contains(&true) && !again.contains(&true) {
+                break;
+            }
+            for (c, corner) in network.corners.iter().enumerate().filter(|(c, _)| lowered[*c]) {
+                corners[c] = None;
+                corner.arcs.iter().for_each(|e| again[e.arc] = true);
+            }
+            arcs.iter_mut().zip(again).filter(|(_, again)| *again).for_each(|(arc, _)| *arc = None);
+        }
+        Ok(assemble(network, corners, arcs))
+    }
+
+    fn reach(&self, valence: usize) -> f64 {
+        layout::regular_reach(valence)
+    }
+}
+
+/// Step of the ladder on which a corner stands.
+#[derive(Clone, Copy)]
+enum Rung {
+    Degree(usize),
+    Paper,
+}
+
+/// Lattice of the N-gon enlarged for the fit, its centre and `k (k + 1)/2` points per sector.
+fn gon_lattice(valence: usize, k: usize) -> Vec<DVec2> {
+    let r = gon::corners(valence);
+    let mut points = vec![DVec2::ZERO];
+    for i in 0..valence {
+        let (a, b) = (r[i] * ENLARGEMENT, r[(i + 1) % valence] * ENLARGEMENT);
+        points.extend((1..=k).flat_map(|i| (0..=k - i).map(move |j| (a * i as f64 + b * j as f64) / k as f64)));
+    }
+    points
+}
+
+/// Where the maps of an N-gon are tested.
+fn gon_samples(valence: usize) -> Vec<DVec2> {
+    gon_lattice(valence, 6)
+}
+
+/// The maps of an N-gon and what the arcs need of them.
+struct CornerBuild {
+    /// `None` for the maps of the paper.
+    layout: Option<Layout>,
+    gon: Vec<PlanePolynomial>,
+    missed: Missed,
+    /// The paper's strips with the distance of their connection points, where there is no layout.
+    paper: Option<paper::CornerBuild>,
+}
+
+/// How many lines were shot, and how many met nothing.
+#[derive(Clone, Copy, Default)]
+struct Missed {
+    lines: usize,
+    missed: usize,
+}
+
+impl Missed {
+    fn add(self, other: Self) -> Self {
+        Self { lines: self.lines + other.lines, missed: self.missed + other.missed }
+    }
+
+    fn share(self) -> f64 {
+        if self.lines > 0 { self.missed as f64 / self.lines as f64 } else { 0.0 }
+    }
+}
+
+impl CornerBuild {
+    fn new(
+        network: &Network,
+        lengths: &[Vec<f64>],
+        index: usize,
+        rung: Rung,
+        widths: &Widths,
+    ) -> Result<Self, BlendError> {
+        let corner = &network.corners[index];
+        let s = widths.corner[index];
+        if let Rung::Degree(degree) = rung
+            && let Some(layout) = Layout::new(network, lengths, corner, s)
+        {
+            let mut missed = Missed::default();
+            let projection = GonProjection::new(corner.arcs.len(), degree)?;
+            let gon: Option<Vec<_>> = (0..corner.arcs.len())
+                .map(|i| {
+                    let surface = &network.surfaces[network.segment(corner, i)];
+                    let start = corner_parameter(network, corner, i);
+                    let values: Vec<DVec2> = projection
+                        .samples
+                        .iter()
+                        .map(|&p| shoot(surface, layout.target(p), layout.normal, start, s, &mut missed))
+                        .collect();
+                    projection.fit(&values)
+                })
+                .collect();
+            if let Some(gon) = gon {
+                return Ok(Self { layout: Some(layout), gon, missed, paper: None });
+            }
+        }
+        let build = paper::corner_maps(network, lengths, corner, s, widths.inner)?;
+        Ok(Self { layout: None, gon: build.maps.gon.clone(), missed: Missed::default(), paper: Some(build) })
+    }
+
+    /// Whether a map folds, or most lines missed their surfaces.
+    fn poor(&self, network: &Network, index: usize) -> bool {
+        let samples = gon_samples(network.corners[index].arcs.len());
+        self.missed.share() > MOST_MISSED
+            || self.gon.iter().any(|map| jacobian(samples.iter().map(|&p| map.jet(p))) <= LEAST_JACOBIAN)
+    }
+}
+
+/// Parameter of a corner in its segment `i`.
+fn corner_parameter(network: &Network, corner: &Corner, i: usize) -> DVec2 {
+    let ArcEnd { arc, starts } = corner.arcs[i];
+    let samples = &network.arcs[arc].samples;
+    if starts { samples[0].left } else { samples[samples.len() - 1].right }
+}
+
+/// The parameter where the line through `y` along `n` meets the surface, or of the point nearest to `y` if it does not.
+fn shoot(
+    surface: &suture_bernstein::BSplineSurface<DVec3>,
+    y: DVec3,
+    n: DVec3,
+    start: DVec2,
+    width: f64,
+    missed: &mut Missed,
+) -> DVec2 {
+    missed.lines += 1;
+    line::meet(surface, &Line::new(y, n), start, width).unwrap_or_else(|| {
+        missed.missed += 1;
+        line::nearest(surface, y, start)
+    })
+}
+
+/// A node of the reference map: a cross line with its normal, by arc length.
+enum Cross {
+    /// On the arc: centre, vector to the left, normal, and half the width, each with two derivatives.
+    Arc { centre: Jet, left: Jet, normal: Jet, half: [f64; 3] },
+    /// On the edge of an N-gon: the edge from right to left, and `±1/κ`.
+    Gon { edge: [DVec2; 2], outward: f64 },
+}
+
+impl Cross {
+    fn at(&self, v: f64, layout: Option<&Layout>) -> (Jet, Jet) {
+        match (self, layout) {
+            (Self::Arc { centre, left, normal, half }, _) => {
+                let side = 2.0 * v - 1.0;
+                let [s, s1, s2] = half.map(|h| side * h);
+                let offset = Jet {
+                    value: left.value * s,
+                    d: left.d * s + left.value * s1,
+                    dd: left.dd * s + left.d * (2.0 * s1) + left.value * s2,
+                };
+                (centre.mix(1.0, offset, 1.0), *normal)
+            }
+            (Self::Gon { edge, outward }, Some(layout)) => {
+                let [p, d, dd] = edge_jet(&layout.plane, *edge, *outward, v);
+                let lift = |x: DVec2| layout.axes[0] * x.x + layout.axes[1] * x.y;
+                let y = Jet { value: layout.origin + lift(p), d: lift(d), dd: lift(dd) };
+                (y, Jet { value: layout.normal, ..Jet::default() })
+            }
+            (Self::Gon { .. }, None) => Default::default(),
+        }
+    }
+}
+
+/// Value and the first two derivatives of `map` across an edge of the N-gon, with the outward direction scaled by `outward`.
+fn edge_jet(map: &PlanePolynomial, [right, left]: [DVec2; 2], outward: f64, v: f64) -> [DVec2; 3] {
+    let nu = (0.5 * (right + left)).normalize_or_zero() * outward;
+    let jet = map.jet(right.lerp(left, v));
+    [
+        jet.p,
+        jet.du * nu.x + jet.dv * nu.y,
+        jet.duu * (nu.x * nu.x) + jet.duv * (2.0 * nu.x * nu.y) + jet.dvv * (nu.y * nu.y),
+    ]
+}
+
+/// The strips of an arc from N-gon to N-gon, `U` along the arc.
+struct ArcBuild {
+    strips: Vec<StripMaps>,
+    missed: Missed,
+}
+
+/// One end of an arc as its chain sees it.
+struct End<'a> {
+    build: &'a CornerBuild,
+    /// The arc among those of the corner.
+    slot: usize,
+    start: bool,
+    /// Distance from the corner to the first cross line.
+    reach: f64,
+}
+
+impl End<'_> {
+    /// Edge of the N-gon that faces the arc, from right to left as seen along the arc.
+    fn edge(&self) -> [DVec2; 2] {
+        let n = self.build.gon.len();
+        let r = gon::corners(n);
+        let (before, after) = (r[(self.slot + n - 1) % n], r[self.slot]);
+        if self.start { [before, after] } else { [after, before] }
+    }
+
+    /// Map of the N-gon into the chart on the left (`up`) or right of the arc.
+    fn map(&self, up: bool) -> &PlanePolynomial {
+        let n = self.build.gon.len();
+        &self.build.gon[if up == self.start { self.slot } else { (self.slot + n - 1) % n }]
+    }
+
+    /// Scale of the outward direction that makes arc length the parameter.
+    fn outward(&self, layout: &Layout) -> f64 {
+        let speed = layout.speed(self.slot);
+        if self.start { speed.recip() } else { -speed.recip() }
+    }
+}
+
+impl ArcBuild {
+    fn new(
+        network: &Network,
+        lengths: &[f64],
+        index: usize,
+        corners: &[&CornerBuild],
+        widths: &Widths,
+        q: usize,
+    ) -> Result<Self, BlendError> {
+        let arc = &network.arcs[index];
+        let total = lengths.last().copied().unwrap_or(0.0);
+        let ends = [0, 1].map(|e| {
+            let wanted = ArcEnd { arc: index, starts: e == 0 };
+            let slot = network.corners[arc.corners[e]].arcs.iter().position(|x| *x == wanted).unwrap_or(0);
+            let build = corners[arc.corners[e]];
+            let reach = match (&build.layout, &build.paper) {
+                (Some(layout), _) => layout.reach(slot),
+                (None, Some(paper)) => paper.connections[slot],
+                (None, None) => 0.0,
+            };
+            End { build, slot, start: e == 0, reach }
+        });
+        let s = [0, 1].map(|e| widths.corner[arc.corners[e]]);
+        let mean = 0.5 * (s[0] + s[1]);
+        let available = total - ends[0].reach - ends[1].reach;
+        if available < SHORTEST_CHAIN * mean {
+            let needed = (ends[0].reach + ends[1].reach) / mean + SHORTEST_CHAIN;
+            return Err(BlendError::ArcTooShort {
+                arc: index,
+                corners: arc.corners,
+                length: total / network.diagonal,
+                limit: total / needed / network.diagonal,
+            });
+        }
+        let count = ((available / widths.shortest[index]).round() as usize).clamp(1, 10_000);
+        let [from, to] = [ends[0].reach, total - ends[1].reach];
+        let mut t: Vec<f64> =
+            (0..=count).map(|k| from + (to - from) * k as f64 / count as f64).collect();
+
+        let stop = || BlendError::Inconsistent { what: format!("arc {index} has no direction") };
+        let centre = Centre::new(network, arc, lengths, mean)?;
+        let mut crosses: Vec<Cross> = t
+            .iter()
+            .map(|&t| {
+                let (c, left, normal) = centre.at(t).ok_or_else(stop)?;
+                Ok(Cross::Arc { centre: c, left, normal, half: half_width(s, [from, to], t) })
+            })
+            .collect::<Result<_, BlendError>>()?;
+        for (end, corner) in ends.iter().zip(arc.corners) {
+            if let Some(layout) = &end.build.layout {
+                let h = layout.first_strip(end.slot);
+                let cross = Cross::Gon { edge: end.edge(), outward: end.outward(layout) };
+                if end.start {
+                    t.insert(0, end.reach - h);
+                    crosses.insert(0, cross);
+                } else {
+                    t.push(total - end.reach + h);
+                    crosses.push(cross);
+                }
+            } else if end.build.paper.is_none() {
+                return Err(BlendError::Inconsistent { what: format!("corner {corner} has no maps") });
+            }
+        }
+
+        let across = Across::chebyshev(q)?;
+        let exact = Across::interpolation(q)?;
+        let layout_at = |k: usize| if k == 0 { ends[0].build.layout.as_ref() } else { ends[1].build.layout.as_ref() };
+        let mut missed = Missed::default();
+        let mut sides = [false, true].map(|up| (up, Vec::new()));
+        for k in 0..t.len() - 1 {
+            let h = t[k + 1] - t[k];
+            let [mut down, mut up] = [Vec::new(), Vec::new()];
+            let nodes: Vec<[(Jet, Jet); 2]> = across
+                .nodes
+                .iter()
+                .map(|&v| [crosses[k].at(v, layout_at(k)), crosses[k + 1].at(v, layout_at(k + 1))])
+                .collect();
+            for u in lines() {
+                let sample = sample_at(arc, lengths, t[k] + u * h);
+                let [mut right, mut left] = [Vec::new(), Vec::new()];
+                for pair in &nodes {
+                    let [y, n] = [0, 1].map(|which| {
+                        let pick = |jets: &(Jet, Jet)| if which == 0 { jets.0 } else { jets.1 };
+                        blend_nodes(pick(&pair[0]), pick(&pair[1]), u, h)
+                    });
+                    let mut shoot = |segment: usize, start: DVec2| {
+                        shoot(&network.surfaces[segment], y, n, start, mean, &mut missed)
+                    };
+                    right.push(shoot(arc.right, sample.right));
+                    left.push(shoot(arc.left, sample.left));
+                }
+                down.push(across.fit(&right));
+                up.push(across.fit(&left));
+            }
+            sides[0].1.push(down);
+            sides[1].1.push(up);
+        }
+        let chains = sides
+            .into_iter()
+            .map(|(up, samples)| {
+                let given = [0, 1].map(|e| end_node(&ends[e], up, &exact, s[e]));
+                let [Some(first), Some(last)] = given else {
+                    return Err(BlendError::Inconsistent { what: format!("arc {index} has no end") });
+                };
+                project::chain(&t, [first, last], &samples, mean)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let strips = (0..t.len() - 1)
+            .map(|k| {
+                let h = t[k + 1] - t[k];
+                let strip = |side: &[Node]| between(&side[k], &side[k + 1], [h; 2]);
+                Ok(StripMaps { down: strip(&chains[0])?, up: strip(&chains[1])? })
+            })
+            .collect::<Result<_, BlendError>>()?;
+        Ok(Self { strips, missed })
+    }
+
+    fn folds(&self) -> bool {
+        self.strips.iter().any(|s| [&s.down, &s.up].into_iter().any(|map| !(crate::check::strip_jacobian(map) > LEAST_JACOBIAN)))
+    }
+}
+
+/// Half of the width at `t` with its derivatives: from corner to corner, constant to second order at both first cross lines.
+fn half_width([a, b]: [f64; 2], [from, to]: [f64; 2], t: f64) -> [f64; 3] {
+    let h = to - from;
+    let u = ((t - from) / h).clamp(0.0, 1.0);
+    let step = 0.5 * (b - a);
+    [
+        0.5 * a + step * u * u * u * (10.0 - 15.0 * u + 6.0 * u * u),
+        step * 30.0 * u * u * (1.0 - u) * (1.0 - u) / h,
+        step * 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (h * h),
+    ]
+}
+
+fn blend_nodes(start: Jet, end: Jet, u: f64, h: f64) -> DVec3 {
+    let [a, e] = hermite(u);
+    start.value * a[0] + start.d * (a[1] * h) + start.dd * (a[2] * h * h)
+        + end.value * e[0]
+        + end.d * (e[1] * h)
+        + end.dd * (e[2] * h * h)
+}
+
+/// The node where a chain meets its corner, in one chart: on the edge of the N-gon, or where the paper's adjacent strip begins.
+fn end_node(end: &End<'_>, up: bool, exact: &Across, width: f64) -> Option<Node> {
+    if let Some(layout) = &end.build.layout {
+        let (map, edge, outward) = (end.map(up), end.edge(), end.outward(layout));
+        let jets: Vec<[DVec2; 3]> = exact.nodes.iter().map(|&v| edge_jet(map, edge, outward, v)).collect();
+        let [p, d, dd] = [0, 1, 2].map(|k| exact.fit(&jets.iter().map(|j| j[k]).collect::<Vec<_>>()));
+        return Some(Node { p, d, dd });
+    }
+    let strip = &end.build.paper.as_ref()?.maps.strips[end.slot];
+    // Seen from the start the strip runs against the arc: its ↓ is the chain's ↑.
+    let node = paper::end_node(if up == end.start { &strip.down } else { &strip.up }, end.start);
+    // Its rows are half an apothem apart: their difference is the derivative by 5/2 apothems of arc length.
+    let speed = 2.5 * gon::apothem(end.build.gon.len()) * width;
+    let raise = |ends: &[DVec2], scale: f64| -> Vec<DVec2> {
+        exact.nodes.iter().map(|&v| ends[0].lerp(ends[1], v) * scale).collect()
+    };
+    Some(Node { p: raise(&node.p, 1.0), d: raise(&node.d, speed.recip()), dd: raise(&node.dd, 0.0) })
+}
+
+fn assemble(network: &Network, corners: Vec<Option<CornerBuild>>, arcs: Vec<Option<ArcBuild>>) -> MapSet {
+    let mut missed = Missed::default();
+    let mut chains: Vec<Vec<StripMaps>> = Vec::new();
+    let mut strips: Vec<Vec<Option<StripMaps>>> =
+        network.corners.iter().map(|c| vec![None; c.arcs.len()]).collect();
+    for (a, build) in arcs.into_iter().enumerate() {
+        let Some(ArcBuild { strips: mut chain, missed: m }) = build else { continue };
+        missed = missed.add(m);
+        for (e, &c) in network.arcs[a].corners.iter().enumerate() {
+            let slot = network.corners[c].arcs.iter().position(|x| *x == ArcEnd { arc: a, starts: e == 0 });
+            let laid_out = corners[c].as_ref().is_some_and(|b| b.layout.is_some());
+            if let Some(slot) = slot.filter(|_| laid_out) {
+                strips[c][slot] = if e == 0 { Some(turned(chain.remove(0))) } else { chain.pop() };
+            }
+        }
+        chains.push(chain);
+    }
+    let corners = corners
+        .into_iter()
+        .flatten()
+        .zip(strips)
+        .map(|(build, strips)| {
+            missed = missed.add(build.missed);
+            match build.paper {
+                Some(paper) => paper.maps,
+                None => CornerMapSet { gon: build.gon, strips: strips.into_iter().flatten().collect() },
+            }
+        })
+        .collect();
+    MapSet { corners, chains, missed: missed.share() }
+}
+
+/// The same strip walked the other way: what was on the right is on the left.
+fn turned(strip: StripMaps) -> StripMaps {
+    let turn = |mut map: BezierPatch<DVec2>| {
+        let net = map.net().iter().rev().copied().collect();
+        if let Ok(patch) = BezierPatch::new(map.degree(), net) {
+            map = patch;
+        }
+        map
+    };
+    StripMaps { down: turn(strip.up), up: turn(strip.down) }
+}

@@ -1,0 +1,507 @@
+//! Surface strips: the boundary curve over an edge and the tensors of the surface along it.
+//!
+//! Along an edge the surface is given by a function `F(t; z) = Σ_k ψ_k(t; z)`, `ψ_k` homogeneous of degree `k ≤ n` in
+//! `z = x − p(t)`: gradient, half the Hessian, a sixth of the third derivative, and so on. Both neighbours solve `F = 0` for their
+//! heights, hence they meet with order `n`. Its parts belong together only if `∂ψ_k/∂t = ∂_{p′} ψ_{k+1}`; this is enforced where a
+//! strip is evaluated ([`crate::cross`]), the strip itself stores the Hermite polynomials before that projection.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    BubbleError, MAX_ORDER,
+    implicit::Implicit,
+    monomial::{self, TABLE},
+    series::Series,
+};
+
+/// Entries of the tensor of degree `k`.
+pub(crate) const fn components(k: usize) -> usize {
+    (k + 1) * (k + 2) / 2
+}
+
+/// Largest number of entries of one tensor.
+pub(crate) const MOST: usize = components(MAX_ORDER);
+
+/// A strip over an edge, in its canonical direction `t` from the first end to the second.
+///
+/// Stored are polynomials in Newton's form with the nodes 0, 1, 0, 1, …: as well conditioned as Bernstein's, cheaper to evaluate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "RawStrip")]
+pub struct Strip {
+    order: usize,
+    contact: usize,
+    ends: [DVec3; 2],
+    normals: [DVec3; 2],
+    /// Level 0 is `h̃`, level `k` the `components(k)` entries of `ψ_k`, all entries of one coefficient together.
+    coefficients: Vec<f64>,
+    /// The base curve less the straight edge, three entries; only along creases.
+    displacement: Option<Vec<f64>>,
+}
+
+/// What a strip copies at one end: Taylor coefficients in the parameter that grows from that end (`s = 1 − t` at the second).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EndTaylor {
+    /// `h̃`, orders 0 to `2n` (to the contact order for `n = 0`).
+    pub height: Vec<f64>,
+    /// For every degree `k = 1..=n` the coefficients of `z^β`, `|β| = k` (by falling exponent of x, then of y), each of orders 0 to
+    /// `2n − k`: `tensors[k − 1][β][order]`.
+    pub tensors: Vec<Vec<Vec<f64>>>,
+    /// The base curve less the straight edge, orders 0 to `2n`; empty for a straight base.
+    pub displacement: Vec<DVec3>,
+}
+
+impl Strip {
+    /// The strip of order `n ≤ 4` and contact order (`2n` unless `n = 0`) with given Taylor coefficients at both ends.
+    ///
+    /// # Errors
+    /// [`BubbleError::Order`], [`BubbleError::Strip`] (with number 0) when the counts do not fit or a number is not finite.
+    pub fn new(
+        order: usize,
+        contact: usize,
+        ends: [DVec3; 2],
+        normals: [DVec3; 2],
+        data: &[EndTaylor; 2],
+    ) -> Result<Self, BubbleError> {
+        if order > MAX_ORDER {
+            return Err(BubbleError::Order { order, limit: MAX_ORDER });
+        }
+        let bad = |reason| Err(BubbleError::Strip { strip: 0, reason });
+        let counts = Counts { order, contact };
+        if !counts.valid() {
+            return bad("its contact order is not 2n, or above 8");
+        }
+        for d in data {
+            let heights = d.height.len() == contact + 1;
+            let tensors = d.tensors.len() == order
+                && d.tensors.iter().zip(1..).all(|(entries, k)| {
+                    entries.len() == components(k) && entries.iter().all(|e| e.len() == counts.per_end(k))
+                });
+            let displaced = d.displacement.is_empty() || d.displacement.len() == contact + 1;
+            if !heights || !tensors || !displaced || d.displacement.is_empty() != data[0].displacement.is_empty() {
+                return bad("its Taylor coefficients have the wrong counts");
+            }
+        }
+        let mut coefficients = vec![0.0; counts.total()];
+        newton(&data[0].height, &data[1].height, &mut coefficients, 1);
+        for k in 1..order + 1 {
+            let first = counts.offset(k);
+            for entry in 0..components(k) {
+                let [a, b] = [0, 1].map(|end| &data[end].tensors[k - 1][entry]);
+                newton(a, b, &mut coefficients[first + entry..], components(k));
+            }
+        }
+        let displacement = (!data[0].displacement.is_empty()).then(|| {
+            let mut out = vec![0.0; 6 * (contact + 1)];
+            for axis in 0..3 {
+                let [a, b] = [0, 1].map(|end| data[end].displacement.iter().map(|d| d[axis]).collect::<Vec<_>>());
+                newton(&a, &b, &mut out[axis..], 3);
+            }
+            out
+        });
+        Self::checked(Self { order, contact, ends, normals, coefficients, displacement })
+    }
+
+    /// The strip between two vertices with their implicits, without a displacement.
+    pub(crate) fn between(
+        counts: Counts,
+        ends: [DVec3; 2],
+        normals: [DVec3; 2],
+        implicits: [&Implicit; 2],
+        scratch: &mut Vec<f64>,
+    ) -> Self {
+        // The lengths are those of powers of t; one instance per order keeps the loops short.
+        match counts.contact {
+            0..=2 => Self::between_sized::<3>(counts, ends, normals, implicits, scratch),
+            3..=4 => Self::between_sized::<5>(counts, ends, normals, implicits, scratch),
+            _ => Self::between_sized::<9>(counts, ends, normals, implicits, scratch),
+        }
+    }
+
+    fn between_sized<const L: usize>(
+        counts: Counts,
+        ends: [DVec3; 2],
+        normals: [DVec3; 2],
+        implicits: [&Implicit; 2],
+        scratch: &mut Vec<f64>,
+    ) -> Self {
+        let mut heights = [[0.0; L]; 2];
+        let mut tensors = [[[[0.0; L]; MOST]; MAX_ORDER]; 2];
+        for end in 0..2 {
+            let (n, m) = (normals[end], normals[1 - end]);
+            let base = line_base(ends[1 - end] - ends[end]);
+            heights[end] =
+                end_taylor::<L>(counts.order, implicits[end], &base, n, m - n, &mut tensors[end], scratch);
+        }
+        Self::from_series(counts, ends, normals, heights, &tensors, None)
+    }
+
+    /// From series in the parameters of the ends.
+    pub(crate) fn from_series<const L: usize>(
+        counts: Counts,
+        ends: [DVec3; 2],
+        normals: [DVec3; 2],
+        heights: [Series<L>; 2],
+        tensors: &[[[Series<L>; MOST]; MAX_ORDER]; 2],
+        displacement: Option<Vec<f64>>,
+    ) -> Self {
+        let mut coefficients = vec![0.0; counts.total()];
+        let m = counts.contact + 1;
+        newton(&heights[0][..m], &heights[1][..m], &mut coefficients, 1);
+        for k in 1..counts.order + 1 {
+            let (first, m) = (counts.offset(k), counts.per_end(k));
+            for entry in 0..components(k) {
+                let [a, b] = [0, 1].map(|end| &tensors[end][k - 1][entry][..m]);
+                newton(a, b, &mut coefficients[first + entry..], components(k));
+            }
+        }
+        Self { order: counts.order, contact: counts.contact, ends, normals, coefficients, displacement }
+    }
+
+    fn checked(self) -> Result<Self, BubbleError> {
+        let finite = self.coefficients.iter().chain(self.displacement.iter().flatten()).all(|c| c.is_finite())
+            && self.ends.iter().chain(&self.normals).all(|p| p.is_finite());
+        if finite { Ok(self) } else { Err(BubbleError::Strip { strip: 0, reason: "a number is not finite" }) }
+    }
+
+    /// The order `n`.
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// The order to which the boundary curve lies on the implicits of its ends.
+    pub fn contact(&self) -> usize {
+        self.contact
+    }
+
+    /// The ends of the edge.
+    pub fn ends(&self) -> [DVec3; 2] {
+        self.ends
+    }
+
+    /// The normals at the ends, between which N is linear.
+    pub fn normals(&self) -> [DVec3; 2] {
+        self.normals
+    }
+
+    /// Whether every number of it is finite.
+    pub(crate) fn finite(&self) -> bool {
+        self.coefficients.iter().chain(self.displacement.iter().flatten()).all(|c| c.is_finite())
+    }
+
+    pub(crate) fn is_displaced(&self) -> bool {
+        self.displacement.is_some()
+    }
+
+    /// The Newton coefficients of level `k`, `components(k)` entries each.
+    #[inline(always)]
+    pub(crate) fn level(&self, k: usize) -> &[f64] {
+        let counts = Counts { order: self.order, contact: self.contact };
+        &self.coefficients[counts.offset(k)..counts.offset(k + 1)]
+    }
+
+    /// The Newton coefficients of the base curve less the straight edge, along creases.
+    pub(crate) fn displacement(&self) -> Option<&[f64]> {
+        self.displacement.as_deref()
+    }
+
+    /// Bernstein coefficients of `h̃`, of degree `2 contact + 1` (`4n + 1`).
+    pub fn height_bernstein(&self) -> Vec<f64> {
+        let degree = 2 * self.contact + 1;
+        let [a, b] = self.height_taylor();
+        let binomial = suture_bernstein::bernstein::binomial;
+        let mut out = vec![0.0; degree + 1];
+        for i in 0..self.contact + 1 {
+            let sum = |c: &[f64]| (0..i + 1).map(|k| binomial(i, k) / binomial(degree, k) * c[k]).sum();
+            out[i] = sum(&a);
+            out[degree - i] = sum(&b);
+        }
+        out
+    }
+
+    /// Taylor coefficients of `h̃` at both ends, each in the parameter that grows from its end.
+    pub fn height_taylor(&self) -> [Vec<f64>; 2] {
+        let m = self.contact + 1;
+        let [mut a, mut b] = [0.0, 1.0].map(|t| {
+            let [h] = horner::<9, 1>(self.level(0), t);
+            h[..m].to_vec()
+        });
+        a.truncate(m);
+        for c in b.iter_mut().skip(1).step_by(2) {
+            *c = -*c;
+        }
+        [a, b]
+    }
+
+    /// The boundary curve: position and first two derivatives at `t`.
+    pub fn curve(&self, t: f64) -> [DVec3; 3] {
+        let p = self.curve_series::<3>(t);
+        let at = |k: usize, c: f64| DVec3::new(p[0][k], p[1][k], p[2][k]) * c;
+        [at(0, 1.0), at(1, 1.0), at(2, 2.0)]
+    }
+
+    /// `p(t + δ)` as a series in δ.
+    #[inline(always)]
+    pub(crate) fn curve_series<const L: usize>(&self, t: f64) -> [Series<L>; 3] {
+        let [h] = horner::<L, 1>(self.level(0), t);
+        let (start, edge) = (self.ends[0] * (1.0 - t) + self.ends[1] * t, self.ends[1] - self.ends[0]);
+        let (normal, delta) = (self.normal(t), self.normals[1] - self.normals[0]);
+        let mut p: [Series<L>; 3] = std::array::from_fn(|axis| {
+            let (n, d) = (normal[axis], delta[axis]);
+            let mut out: Series<L> = std::array::from_fn(|k| h[k] * n + if k > 0 { h[k - 1] * d } else { 0.0 });
+            out[0] += start[axis];
+            if L > 1 {
+                out[1] += edge[axis];
+            }
+            out
+        });
+        if let Some(c) = &self.displacement {
+            let d = horner::<L, 3>(c, t);
+            for axis in 0..3 {
+                for k in 0..L {
+                    p[axis][k] += d[axis][k];
+                }
+            }
+        }
+        p
+    }
+
+    /// The interpolated normal at `t`; exact at both ends.
+    #[inline(always)]
+    pub(crate) fn normal(&self, t: f64) -> DVec3 {
+        self.normals[0] * (1.0 - t) + self.normals[1] * t
+    }
+}
+
+/// What is read before it is checked.
+#[derive(Deserialize)]
+struct RawStrip {
+    order: usize,
+    contact: usize,
+    ends: [DVec3; 2],
+    normals: [DVec3; 2],
+    coefficients: Vec<f64>,
+    displacement: Option<Vec<f64>>,
+}
+
+impl TryFrom<RawStrip> for Strip {
+    type Error = BubbleError;
+
+    fn try_from(raw: RawStrip) -> Result<Self, BubbleError> {
+        let RawStrip { order, contact, ends, normals, coefficients, displacement } = raw;
+        let counts = Counts { order, contact };
+        if !counts.valid()
+            || coefficients.len() != counts.total()
+            || displacement.as_ref().is_some_and(|d| d.len() != 6 * (contact + 1))
+        {
+            return Err(BubbleError::Strip { strip: 0, reason: "its coefficients have the wrong counts" });
+        }
+        Self { order, contact, ends, normals, coefficients, displacement }.checked()
+    }
+}
+
+/// How many coefficients a strip has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Counts {
+    /// The order `n`.
+    pub(crate) order: usize,
+    /// The contact order of the boundary curve.
+    pub(crate) contact: usize,
+}
+
+impl Counts {
+    fn valid(&self) -> bool {
+        self.order <= MAX_ORDER && self.contact <= 2 * MAX_ORDER && (self.order == 0 || self.contact == 2 * self.order)
+    }
+
+    /// Taylor coefficients per end at level `k`: `2n − k + 1`, just as many as the compatibility of twists needs.
+    #[inline(always)]
+    pub(crate) fn per_end(&self, k: usize) -> usize {
+        self.contact + 1 - k
+    }
+
+    #[inline(always)]
+    fn offset(&self, k: usize) -> usize {
+        (0..k).map(|j| 2 * self.per_end(j) * components(j)).sum()
+    }
+
+    fn total(&self) -> usize {
+        self.offset(self.order + 1)
+    }
+}
+
+/// Newton's coefficients over the nodes 0, 1, 0, 1, … of the polynomial with Taylor coefficients `a` at 0 in `t` and `b` at 1 in
+/// `1 − t`, written to every `stride`-th entry of `out`.
+pub(crate) fn newton(a: &[f64], b: &[f64], out: &mut [f64], stride: usize) {
+    let m = a.len();
+    // Column j of the table of divided differences f[0ⁱ, 1ʲ], i = 0..=m; the next one from f[0ⁱ⁻¹, 1ʲ] − f[0ⁱ, 1ʲ⁻¹].
+    let mut column = [0.0; 10];
+    column[1..m + 1].copy_from_slice(a);
+    out[0] = column[1];
+    for j in 1..m + 1 {
+        column[0] = if j % 2 == 1 { b[j - 1] } else { -b[j - 1] };
+        for i in 1..m + 1 {
+            column[i] = column[i - 1] - column[i];
+        }
+        out[(2 * j - 1) * stride] = column[j];
+        if j < m {
+            out[2 * j * stride] = column[j + 1];
+        }
+    }
+}
+
+/// The `C` polynomials with Newton coefficients `c`, as series about `t`.
+#[inline(always)]
+pub(crate) fn horner<const L: usize, const C: usize>(c: &[f64], t: f64) -> [Series<L>; C] {
+    let mut out = [[0.0; L]; C];
+    let shift = [t, t - 1.0];
+    for (i, row) in c.chunks_exact(C).enumerate().rev() {
+        let x = shift[i % 2];
+        for entry in 0..C {
+            let s = &mut out[entry];
+            for k in (1..L).rev() {
+                s[k] = s[k] * x + s[k - 1];
+            }
+            s[0] = s[0] * x + row[entry];
+        }
+    }
+    out
+}
+
+/// `t e` as a series.
+pub(crate) fn line_base<const L: usize>(e: DVec3) -> [Series<L>; 3] {
+    std::array::from_fn(|axis| {
+        let mut out = [0.0; L];
+        if L > 1 {
+            out[1] = e[axis];
+        }
+        out
+    })
+}
+
+/// Solves `f(base(t) + h(t) (n + t Δ)) = 0` for `h` order by order and writes the tensors of `f` along that curve.
+///
+/// With the powers of the curve kept, the coefficient of order `k` of every term of degree two or more depends on lower orders of
+/// `h` only: `h_k = −[t^k] f(…)/|n|²`, linear in every step.
+fn end_taylor<const L: usize>(
+    order: usize,
+    f: &Implicit,
+    base: &[Series<L>; 3],
+    n: DVec3,
+    delta: DVec3,
+    tensors: &mut [[Series<L>; MOST]; MAX_ORDER],
+    scratch: &mut Vec<f64>,
+) -> Series<L> {
+    let c = f.coefficients();
+    // Powers above t^(L−1) do not matter, and a monomial of degree d begins with t^d.
+    let used = monomial::count(f.degree().min(L - 1)).min(c.len());
+    scratch.clear();
+    scratch.resize(used * L, 0.0);
+    let (powers, _) = scratch.as_chunks_mut::<L>();
+    powers[0][0] = 1.0;
+    let gradient = f.gradient();
+    let inverse = -1.0 / gradient.dot(n);
+    let mut h = [0.0; L];
+    for k in 1..L {
+        let mut p = [0.0; 3];
+        for axis in 0..3 {
+            p[axis] = base[axis][k] + h[k - 1] * delta[axis];
+        }
+        let mut value = gradient.dot(DVec3::from_array(p));
+        for i in 4..used {
+            let m = TABLE[i];
+            let [parent, variable] = [m.parent as usize, 1 + m.variable as usize];
+            let mut sum = 0.0;
+            for j in 1..k {
+                sum += powers[parent][k - j] * powers[variable][j];
+            }
+            powers[i][k] = sum;
+            value += c[i] * sum;
+        }
+        h[k] = value * inverse;
+        for axis in 0..3 {
+            powers[1 + axis][k] = p[axis] + h[k] * n[axis];
+        }
+    }
+    expand(order, c, powers, tensors);
+    h
+}
+
+/// The coefficients of `z^β` in `f(p(t) + z)`, `1 ≤ |β| ≤ order`, from the powers of `p`.
+pub(crate) fn expand<const L: usize>(
+    order: usize,
+    c: &[f64],
+    powers: &[[f64; L]],
+    tensors: &mut [[Series<L>; MOST]; MAX_ORDER],
+) {
+    for (alpha, &c) in c.iter().enumerate().skip(1) {
+        if c == 0.0 {
+            continue;
+        }
+        let exponents = TABLE[alpha].exponents.map(usize::from);
+        let total: usize = exponents.iter().sum();
+        for beta in 1..monomial::count(order.min(total)) {
+            let b = TABLE[beta].exponents.map(usize::from);
+            if (0..3).any(|s| b[s] > exponents[s]) {
+                continue;
+            }
+            let rest = monomial::index(exponents[0] - b[0], exponents[1] - b[1], exponents[2] - b[2]);
+            let Some(power) = powers.get(rest) else { continue };
+            let choose = CHOOSE[exponents[0]][b[0]] * CHOOSE[exponents[1]][b[1]] * CHOOSE[exponents[2]][b[2]];
+            let degree = b[0] + b[1] + b[2];
+            let entry = &mut tensors[degree - 1][beta - monomial::first(degree)];
+            for k in 0..L {
+                entry[k] += c * choose * power[k];
+            }
+        }
+    }
+}
+
+/// Binomial coefficients up to the largest degree of an implicit.
+pub(crate) const CHOOSE: [[f64; 9]; 9] = {
+    let mut out = [[0.0; 9]; 9];
+    let mut n = 0;
+    while n < 9 {
+        out[n][0] = 1.0;
+        let mut k = 1;
+        while k <= n {
+            out[n][k] = out[n - 1][k - 1] + out[n - 1][k];
+            k += 1;
+        }
+        n += 1;
+    }
+    out
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn newtons_form_copies_both_ends() {
+        let (a, b) = ([0.3, -1.0, 2.0, 0.5, 7.0], [1.0, 0.25, -3.0, 1.5, -2.0]);
+        let mut c = [0.0; 10];
+        newton(&a, &b, &mut c, 1);
+        let [at0] = horner::<5, 1>(&c, 0.0);
+        let [at1] = horner::<5, 1>(&c, 1.0);
+        for k in 0..5 {
+            assert!((at0[k] - a[k]).abs() < 1e-13);
+            assert!((at1[k] * (-1.0_f64).powi(k as i32) - b[k]).abs() < 1e-12, "{k}");
+        }
+    }
+
+    #[test]
+    fn a_boundary_curve_lies_on_its_implicits_to_the_contact_order() {
+        let f = Implicit::quadric(DVec3::Z, glam::DMat3::from_diagonal(DVec3::new(1.0, 2.0, 0.5)));
+        let ends = [DVec3::ZERO, DVec3::new(1.0, 0.3, -0.2)];
+        let normals = [DVec3::Z, DVec3::new(0.3, 0.1, 0.9)];
+        let counts = Counts { order: 2, contact: 4 };
+        let strip = Strip::between(counts, ends, normals, [&f, &f], &mut Vec::new());
+        for t in [0.01, 0.02] {
+            let value = f.value(strip.curve(t)[0]);
+            assert!(value.abs() < 20.0 * t.powi(5), "{value:e}");
+        }
+        assert_eq!(strip.curve(0.0)[0], ends[0]);
+        assert!(strip.curve(1.0)[0].distance(ends[1]) < 1e-15);
+    }
+}
