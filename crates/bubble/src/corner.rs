@@ -28,7 +28,12 @@ pub(crate) struct CornerFrame<'a> {
 }
 
 /// Solves `f(base + h N) = 0` for the coefficients of `h`, by [`plane_index`], of degree below `l ≤ 9`.
-pub(crate) fn corner_jet(f: &Implicit, frame: &CornerFrame<'_>, l: usize, scratch: &mut Vec<f64>) -> Vec<f64> {
+pub(crate) fn corner_jet(
+    f: &Implicit,
+    frame: &CornerFrame<'_>,
+    l: usize,
+    scratch: &mut Vec<f64>,
+) -> Vec<f64> {
     const ROW: usize = plane_count(9);
     let c = f.coefficients();
     let used = monomial::count(f.degree().min(l.saturating_sub(1))).min(c.len());
@@ -101,7 +106,8 @@ mod tests {
     fn the_jet_of_a_sphere_lies_on_it() {
         let f = Implicit::quadric(DVec3::Z, DMat3::IDENTITY);
         let (lx, ly) = (DVec3::new(0.5, 0.1, -0.1), DVec3::new(-0.2, 0.6, 0.05));
-        let (nx, ny, nxy) = (DVec3::new(0.4, 0.0, -0.1), DVec3::new(0.0, 0.5, -0.1), DVec3::new(0.1, 0.2, 0.3));
+        let (nx, ny, nxy) =
+            (DVec3::new(0.4, 0.0, -0.1), DVec3::new(0.0, 0.5, -0.1), DVec3::new(0.1, 0.2, 0.3));
         let frame = CornerFrame { base: &[DVec3::ZERO, lx, ly], normal: [DVec3::Z, nx, ny, nxy] };
         let h = corner_jet(&f, &frame, 9, &mut Vec::new());
         let value = |x: f64, y: f64| {

@@ -120,7 +120,11 @@ fn multiply_add<const L: usize>(
 
 /// Derivatives of order 0 to `N` of the height in the cross parameter, as series along the edge about `t` in its canonical
 /// direction; coefficients up to order `L − 1 − N` are good.
-pub(crate) fn cross<const N: usize, const L: usize>(strip: &Strip, t: f64, leaving: &Leaving<L>) -> CrossData<L> {
+pub(crate) fn cross<const N: usize, const L: usize>(
+    strip: &Strip,
+    t: f64,
+    leaving: &Leaving<L>,
+) -> CrossData<L> {
     let mut out = [[0.0; L]; MAX_ORDER + 1];
     [out[0]] = horner::<L, 1>(strip.level(0), t);
     if N == 0 {
@@ -140,10 +144,9 @@ pub(crate) fn cross<const N: usize, const L: usize>(strip: &Strip, t: f64, leavi
     let mut factorial = 1.0;
     let mut lower = out[0];
     for j in 1..N + 1 {
-        let mut z: [Series<L>; 3] =
-            std::array::from_fn(|axis| {
-                series::add(&leaving.base[j - 1][axis], &series::mul(&lower, &leaving.normal[axis]))
-            });
+        let mut z: [Series<L>; 3] = std::array::from_fn(|axis| {
+            series::add(&leaving.base[j - 1][axis], &series::mul(&lower, &leaving.normal[axis]))
+        });
         let mut value = series::dot(&gradient, &z);
         for i in 4..monomial::count(j) {
             let m = TABLE[i];

@@ -74,7 +74,9 @@ pub enum BubbleError {
         vertex: usize,
     },
     /// A normal has no direction.
-    #[error("the normal of vertex {vertex} has length {length:e}; give it a direction, or estimate the normals")]
+    #[error(
+        "the normal of vertex {vertex} has length {length:e}; give it a direction, or estimate the normals"
+    )]
     Normal {
         /// The vertex.
         vertex: usize,

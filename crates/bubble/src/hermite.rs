@@ -11,7 +11,6 @@ pub(crate) type Polynomial = [f64; LENGTH];
 /// `H_{k,i}` of one order as polynomials: the `i`-th derivative is 1 at `t = k`, all others up to `n` vanish at both ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hermite {
-    pub(crate) order: usize,
     /// By end, then by `i`.
     pub(crate) basis: [[Polynomial; MAX_ORDER + 1]; 2],
 }
@@ -39,7 +38,7 @@ impl Hermite {
             basis[0][i] = at0;
             basis[1][i] = at1;
         }
-        Self { order: n, basis }
+        Self { basis }
     }
 
     /// `∂_u^l [(1 − u)^i H(v/(1 − u))]` at `u = 0` as a polynomial in `v`, for `H = H_{end,i}`: on `v^q` it multiplies by
@@ -75,10 +74,15 @@ pub(crate) fn rising<const N: usize>(r: f64, q: f64) -> [[f64; 3]; MAX_ORDER + 1
         }
         2 => {
             let q2 = q * q;
-            out[0] = [q2 * q * (1.0 + 3.0 * r + 6.0 * r * r), -30.0 * r * r * q2, 60.0 * r * q * (2.0 * r - 1.0)];
-            out[1] =
-                [r * q2 * q * (1.0 + 3.0 * r), q2 * (1.0 + 2.0 * r - 15.0 * r * r), r * q * (60.0 * r - 36.0)];
-            out[2] = [0.5 * r * r * q2 * q, 0.5 * r * q2 * (2.0 - 5.0 * r), q * (1.0 - 8.0 * r + 10.0 * r * r)];
+            out[0] =
+                [q2 * q * (1.0 + 3.0 * r + 6.0 * r * r), -30.0 * r * r * q2, 60.0 * r * q * (2.0 * r - 1.0)];
+            out[1] = [
+                r * q2 * q * (1.0 + 3.0 * r),
+                q2 * (1.0 + 2.0 * r - 15.0 * r * r),
+                r * q * (60.0 * r - 36.0),
+            ];
+            out[2] =
+                [0.5 * r * r * q2 * q, 0.5 * r * q2 * (2.0 - 5.0 * r), q * (1.0 - 8.0 * r + 10.0 * r * r)];
         }
         _ => {
             for (i, out) in out.iter_mut().enumerate().take(N + 1) {

@@ -80,7 +80,8 @@ impl Implicit {
 
     /// The Hessian at the vertex.
     pub fn hessian(&self) -> DMat3 {
-        let Some([xx, xy, xz, yy, yz, zz]) = self.coefficients.get(4..10).and_then(|c| <[f64; 6]>::try_from(c).ok())
+        let Some([xx, xy, xz, yy, yz, zz]) =
+            self.coefficients.get(4..10).and_then(|c| <[f64; 6]>::try_from(c).ok())
         else {
             return DMat3::ZERO;
         };

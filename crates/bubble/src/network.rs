@@ -2,15 +2,31 @@
 
 use rayon::prelude::*;
 
-use crate::{BubbleError, MAX_ORDER, implicit::Implicit, poly_mesh::PolyMesh, strip::{Counts, Strip}};
+use crate::{
+    BubbleError, MAX_ORDER,
+    implicit::Implicit,
+    poly_mesh::PolyMesh,
+    strip::{Counts, Strip},
+};
 
 /// An edge of the mesh with the faces along it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshEdge {
     /// Its vertices, lower index first: the canonical direction.
     pub vertices: [u32; 2],
-    /// The faces with the number of the edge in the face (from corner `k` to the next), in the order of faces.
-    pub faces: Vec<(u32, u8)>,
+    /// The faces along it, in the order of faces.
+    pub faces: Vec<EdgeUse>,
+}
+
+/// A face along an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EdgeUse {
+    /// The face.
+    pub face: u32,
+    /// The side of the face, from corner `side` to the next.
+    pub side: u8,
+    /// Whether the face runs along the edge in canonical direction.
+    pub forward: bool,
 }
 
 /// The edges of a mesh by their vertices, and the edge behind every side of every face.
@@ -23,22 +39,23 @@ pub(crate) struct Edges {
 
 impl Edges {
     pub(crate) fn of(mesh: &PolyMesh) -> Self {
-        let mut keys: Vec<(u32, u32, u32, u8)> = Vec::with_capacity(3 * mesh.faces.len());
+        let mut keys: Vec<(u32, u32, EdgeUse)> = Vec::with_capacity(3 * mesh.faces.len());
         for (f, face) in (0u32..).zip(&mesh.faces) {
             let v = face.vertices();
             for k in 0..v.len() {
                 let (a, b) = (v[k], v[(k + 1) % v.len()]);
-                keys.push((a.min(b), a.max(b), f, k as u8));
+                keys.push((a.min(b), a.max(b), EdgeUse { face: f, side: k as u8, forward: a < b }));
             }
         }
-        keys.par_sort_unstable();
-        let mut out = Self { edges: Vec::with_capacity(keys.len() / 2), sides: vec![[0; 4]; mesh.faces.len()] };
-        for (a, b, f, k) in keys {
+        keys.par_sort_unstable_by_key(|&(a, b, e)| (a, b, e.face, e.side));
+        let mut out =
+            Self { edges: Vec::with_capacity(keys.len() / 2), sides: vec![[0; 4]; mesh.faces.len()] };
+        for (a, b, e) in keys {
             match out.edges.last_mut() {
-                Some(last) if last.vertices == [a, b] => last.faces.push((f, k)),
-                _ => out.edges.push(MeshEdge { vertices: [a, b], faces: vec![(f, k)] }),
+                Some(last) if last.vertices == [a, b] => last.faces.push(e),
+                _ => out.edges.push(MeshEdge { vertices: [a, b], faces: vec![e] }),
             }
-            out.sides[f as usize][k as usize] = out.edges.len() as u32 - 1;
+            out.sides[e.face as usize][e.side as usize] = out.edges.len() as u32 - 1;
         }
         out
     }
@@ -113,7 +130,12 @@ impl Network {
     ///
     /// # Errors
     /// What is wrong with the mesh, [`BubbleError::Order`], [`BubbleError::Count`], [`BubbleError::CoincidentVertices`].
-    pub fn build(mesh: &PolyMesh, implicits: Vec<Implicit>, order: usize, contact: usize) -> Result<Self, BubbleError> {
+    pub fn build(
+        mesh: &PolyMesh,
+        implicits: Vec<Implicit>,
+        order: usize,
+        contact: usize,
+    ) -> Result<Self, BubbleError> {
         mesh.check()?;
         let counts = check_orders(mesh, &implicits, order, contact)?;
         let edges = Edges::of(mesh);
@@ -142,11 +164,19 @@ impl Network {
     /// As [`build`](Self::build), and [`BubbleError::Strip`] where a strip has another order or other ends than its edge. That the
     /// strips match the implicits at their ends to the orders that a patch needs (`2n − k` for the tensor of degree `k`) is not checked; where
     /// they do not, patches lose smoothness at corners.
-    pub fn from_strips(mesh: &PolyMesh, implicits: Vec<Implicit>, strips: Vec<Strip>) -> Result<Self, BubbleError> {
+    pub fn from_strips(
+        mesh: &PolyMesh,
+        implicits: Vec<Implicit>,
+        strips: Vec<Strip>,
+    ) -> Result<Self, BubbleError> {
         mesh.check()?;
         let edges = Edges::of(mesh);
         if strips.len() != edges.edges.len() {
-            return Err(BubbleError::Count { what: "strips", given: strips.len(), needed: edges.edges.len() });
+            return Err(BubbleError::Count {
+                what: "strips",
+                given: strips.len(),
+                needed: edges.edges.len(),
+            });
         }
         let (order, contact) = strips.first().map_or((0, 0), |s| (s.order(), s.contact()));
         check_orders(mesh, &implicits, order, contact)?;

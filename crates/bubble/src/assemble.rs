@@ -1,0 +1,267 @@
+//! From mesh to surface.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use suture_surface::{Continuity, EdgeRef, Patch, PatchId, Seam, Surface};
+
+use crate::{
+    BubbleError,
+    fit::{Fit, Fitted},
+    hermite::Hermite,
+    implicit::{Implicit, VertexImplicits},
+    network::{EdgeUse, Network},
+    patch::{BubblePatch, Pairing, Side},
+    poly_mesh::PolyMesh,
+    report::{self, BubbleReport, BubbleWarning, Limits},
+};
+
+/// How a bubble surface is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BubbleOptions {
+    /// Order of smoothness across edges, 0 to 4. Default 2: reflections are smooth.
+    pub order: usize,
+    /// How the vertex implicits are fitted.
+    pub fit: Fit,
+    /// Which interpolant of the boundary data a triangle gets.
+    pub pairing: Pairing,
+    /// Whether the surface of order 0 is curved (boundary curves touch the vertex implicits with order 2) rather than the mesh itself.
+    /// Default true.
+    pub curved: bool,
+    /// Strips whose gradient makes a smaller cosine with the interpolated normal are refused, as are those whose interpolated normal or speed
+    /// falls below twice or four times this value. Default 0.05; 0 or less accepts all.
+    pub refuse: f64,
+    /// Strips below this value in one of these measures are counted in a warning. Default 0.3.
+    pub warn: f64,
+}
+
+impl Default for BubbleOptions {
+    fn default() -> Self {
+        Self { order: 2, fit: Fit::Automatic, pairing: Pairing::Mean, curved: true, refuse: 0.05, warn: 0.3 }
+    }
+}
+
+/// A bubble surface: one patch per face.
+#[derive(Debug)]
+pub struct BubbleSurface {
+    patches: Vec<BubblePatch>,
+    seams: Vec<Seam>,
+    network: Network,
+    report: BubbleReport,
+}
+
+/// A surface of order `n` over a mesh with normals: one patch per face, in the order of faces, joining with order `n` across edges and
+/// with order `2n` at vertices.
+///
+/// ```
+/// use suture_bubble::{BubbleOptions, PolyMesh, bubble};
+/// let mesh = suture_mesh::shapes::sphere(0);
+/// let poly = PolyMesh::from_triangles(&mesh, &mesh.positions)?;
+/// let ball = bubble(&poly, &BubbleOptions::default())?;
+/// assert_eq!(ball.patches().len(), 20);
+/// # Ok::<(), suture_bubble::BubbleError>(())
+/// ```
+///
+/// # Errors
+/// [`BubbleError`]: what is wrong with the mesh, its normals or the options; [`BubbleError::Degenerate`] where an edge runs along a normal
+/// or normals turn too far along it.
+///
+/// # References
+/// M. Kapl, M. Byrtus, B. Jüttler, *Triangular bubble spline surfaces*, 2011.
+pub fn bubble(mesh: &PolyMesh, options: &BubbleOptions) -> Result<BubbleSurface, BubbleError> {
+    bubble_with(mesh, &Fitted { fit: options.fit, order: options.order }, options)
+}
+
+/// As [`bubble`], with vertex implicits from elsewhere; `options.fit` does not matter.
+///
+/// # Errors
+/// As [`bubble`], and those of `implicits`.
+pub fn bubble_with(
+    mesh: &PolyMesh,
+    implicits: &dyn VertexImplicits,
+    options: &BubbleOptions,
+) -> Result<BubbleSurface, BubbleError> {
+    mesh.check()?;
+    let implicits = implicits.implicits(mesh)?;
+    let contact = match options.order {
+        0 if options.curved => 2,
+        n => 2 * n,
+    };
+    bubble_over(mesh, Network::build(mesh, implicits, options.order, contact)?, options)
+}
+
+/// The patches over given strips: the last step of [`bubble`]. Order, contact and implicits are those of the network.
+///
+/// # Errors
+/// As [`bubble`].
+pub fn bubble_over(
+    mesh: &PolyMesh,
+    network: Network,
+    options: &BubbleOptions,
+) -> Result<BubbleSurface, BubbleError> {
+    mesh.check()?;
+    check_options(options)?;
+    let (strips, sides) = (network.strips.len(), mesh.faces.len());
+    if network.edges.sides.len() != sides || network.implicits.len() != mesh.positions.len() {
+        return Err(BubbleError::Count {
+            what: "faces of the network",
+            given: network.edges.sides.len(),
+            needed: sides,
+        });
+    }
+    for (vertex, used) in used_vertices(mesh).into_iter().enumerate() {
+        let f = &network.implicits[vertex];
+        if used && !(f.gradient().length_squared() > 0.0 && f.coefficients().iter().all(|c| c.is_finite())) {
+            let reason = "its gradient is zero or a coefficient is not finite";
+            return Err(BubbleError::Implicit { vertex, reason });
+        }
+    }
+    if let Some(strip) = network.strips.iter().position(|s| !s.finite()) {
+        return Err(BubbleError::Strip {
+            strip,
+            reason: "a number overflows: the implicits at its ends bend too sharply",
+        });
+    }
+    let (n, r, w) = (network.order, options.refuse, options.warn);
+    let limits = Limits { refuse: [r, 2.0 * r, 4.0 * r], warn: [w; 3] };
+    let (extremes, mut warnings) = report::weigh_all(&network, &limits)?;
+
+    let shared = Arc::new(network.strips.clone());
+    let hermite = Hermite::new(n);
+    let orders = (n, network.contact);
+    let build = |scratch: &mut Vec<f64>, f: usize| {
+        let corners = mesh.faces[f].vertices();
+        let count = corners.len();
+        let mut sides = [Side::default(); 4];
+        let mut positions = [glam::DVec3::ZERO; 4];
+        let mut implicits: [&Implicit; 4] = [&network.implicits[corners[0] as usize]; 4];
+        for k in 0..count {
+            let (a, b) = (corners[k], corners[(k + 1) % count]);
+            sides[k] = Side { strip: network.edges.sides[f][k], reversed: a > b };
+            positions[k] = mesh.positions[a as usize];
+            implicits[k] = &network.implicits[a as usize];
+        }
+        let (sides, positions, implicits) = (&sides[..count], &positions[..count], &implicits[..count]);
+        let strips = Arc::clone(&shared);
+        let patch = BubblePatch::build(
+            strips,
+            sides,
+            positions,
+            implicits,
+            orders,
+            options.pairing,
+            &hermite,
+            scratch,
+        );
+        let measured = report::regularity(&patch);
+        (patch, measured)
+    };
+    let (patches, measured): (Vec<_>, Vec<[f64; 2]>) =
+        (0..mesh.faces.len()).into_par_iter().map_init(Vec::new, build).unzip();
+
+    let (seams, branching) = seams(&network);
+    if let Some(&first) = branching.first() {
+        warnings.push(BubbleWarning::NonManifold { count: branching.len(), first });
+    }
+    let folded: Vec<usize> = (0..measured.len()).filter(|&f| !(measured[f][1] > 0.0)).collect();
+    if let Some(&first) = folded.first() {
+        warnings.push(BubbleWarning::Folds { count: folded.len(), first });
+    }
+    let least = |i: usize| measured.iter().fold(f64::INFINITY, |m, x| m.min(x[i]));
+    let quads = mesh.faces.iter().filter(|f| f.vertices().len() == 4).count();
+    let [cosine, normal, speed] = extremes;
+    let report = BubbleReport {
+        order: n,
+        triangles: sides - quads,
+        quads,
+        strips,
+        creases: 0,
+        boundary: network.edges.edges.iter().filter(|e| e.faces.len() == 1).count(),
+        cosine: (n > 0).then_some(cosine),
+        normal,
+        speed,
+        regularity: least(0),
+        fold: least(1),
+        warnings,
+    };
+    Ok(BubbleSurface { patches, seams, network, report })
+}
+
+impl BubbleSurface {
+    /// The patches, one per face.
+    pub fn patches(&self) -> &[BubblePatch] {
+        &self.patches
+    }
+
+    /// The seams, one per edge with two faces.
+    pub fn seams(&self) -> &[Seam] {
+        &self.seams
+    }
+
+    /// The strips and the implicits they come from.
+    pub fn network(&self) -> &Network {
+        &self.network
+    }
+
+    /// What was measured.
+    pub fn report(&self) -> &BubbleReport {
+        &self.report
+    }
+
+    /// The surface for tessellation, certificate, export and pictures.
+    ///
+    /// # Errors
+    /// [`BubbleError::Surface`], which would be a defect of this crate.
+    pub fn into_surface(self) -> Result<Surface, BubbleError> {
+        let patches = self.patches.into_iter().map(|p| Box::new(p) as Box<dyn Patch>).collect();
+        Ok(Surface::new(patches, self.seams)?)
+    }
+}
+
+fn check_options(options: &BubbleOptions) -> Result<(), BubbleError> {
+    for (name, value) in [("refuse", options.refuse), ("warn", options.warn)] {
+        if value.is_nan() {
+            return Err(BubbleError::Option { name, value, range: "a number" });
+        }
+    }
+    if !options.pairing.valid() {
+        return Err(BubbleError::Option {
+            name: "pairing",
+            value: f64::NAN,
+            range: "a permutation of 0, 1, 2",
+        });
+    }
+    Ok(())
+}
+
+fn used_vertices(mesh: &PolyMesh) -> Vec<bool> {
+    let mut used = vec![false; mesh.positions.len()];
+    for &v in mesh.faces.iter().flat_map(|f| f.vertices()) {
+        used[v as usize] = true;
+    }
+    used
+}
+
+/// The seams, and the edges with more than two faces.
+fn seams(network: &Network) -> (Vec<Seam>, Vec<[u32; 2]>) {
+    let claimed = match network.order {
+        0 => Continuity::C0,
+        1 => Continuity::G1,
+        _ => Continuity::G2,
+    };
+    let (mut seams, mut branching) = (Vec::new(), Vec::new());
+    for (number, e) in network.edges.edges.iter().enumerate() {
+        match e.faces[..] {
+            [] | [_] => {}
+            [a, b] => {
+                let edge = |e: EdgeUse| EdgeRef { patch: PatchId(e.face), edge: u32::from(e.side) };
+                let claimed = if network.strips[number].is_displaced() { Continuity::C0 } else { claimed };
+                let mut seam = Seam::new(edge(a), edge(b), claimed);
+                seam.same_direction = a.forward == b.forward;
+                seams.push(seam);
+            }
+            _ => branching.push(e.vertices),
+        }
+    }
+    (seams, branching)
+}
