@@ -98,7 +98,8 @@ impl Quadric {
                 / 80.0
         });
         let edge = per(&|a, b, c| {
-            (-3.0 * (e[a][b] + e[a][c]) - 7.0 * (e[b][a] + e[c][a]) + 49.0 * (e[b][c] + e[c][b])
+            (-3.0 * (e[a][b] + e[a][c]) - 7.0 * (e[b][a] + e[c][a])
+                + 49.0 * (e[b][c] + e[c][b])
                 + 23.0 * inner
                 + 3.0 * (h[a] - m[b] - m[c])
                 - 9.0 * (h[b] + h[c])

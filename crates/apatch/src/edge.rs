@@ -110,19 +110,29 @@ impl EdgeSide {
         let (ci, cj) = (ai * z + bi * t, aj * z + bj * t);
         let mixed = x * ci + y * cj;
         let (rp, r) = (rpi * x + rpj * y, ri * x + rj * y);
-        let value = 3.0 * x * y * (e[0] * x + e[1] * y) + 3.0 * (z * bp + t * b) + 3.0 * (z * z * rp + t * t * r)
+        let value = 3.0 * x * y * (e[0] * x + e[1] * y)
+            + 3.0 * (z * bp + t * b)
+            + 3.0 * (z * z * rp + t * t * r)
             + 6.0 * rho * mixed
             + w * t * t * t
             + 3.0 * s * t * t * z
             + 3.0 * sp * t * z * z
             + wp * z * z * z;
-        let dx = 3.0 * y * (2.0 * e[0] * x + e[1] * y) + 3.0 * (z * bpx + t * bx) + 3.0 * (z * z * rpi + t * t * ri)
+        let dx = 3.0 * y * (2.0 * e[0] * x + e[1] * y)
+            + 3.0 * (z * bpx + t * bx)
+            + 3.0 * (z * z * rpi + t * t * ri)
             + 6.0 * rho * ci;
-        let dy = 3.0 * x * (e[0] * x + 2.0 * e[1] * y) + 3.0 * (z * bpy + t * by) + 3.0 * (z * z * rpj + t * t * rj)
+        let dy = 3.0 * x * (e[0] * x + 2.0 * e[1] * y)
+            + 3.0 * (z * bpy + t * by)
+            + 3.0 * (z * z * rpj + t * t * rj)
             + 6.0 * rho * cj;
-        let dz = 3.0 * bp + 6.0 * z * rp + 6.0 * (rho_z * mixed + rho * (x * ai + y * aj))
+        let dz = 3.0 * bp
+            + 6.0 * z * rp
+            + 6.0 * (rho_z * mixed + rho * (x * ai + y * aj))
             + 3.0 * (s * t * t + 2.0 * sp * t * z + wp * z * z);
-        let dt = 3.0 * b + 6.0 * t * r + 6.0 * (rho_t * mixed + rho * (x * bi + y * bj))
+        let dt = 3.0 * b
+            + 6.0 * t * r
+            + 6.0 * (rho_t * mixed + rho * (x * bi + y * bj))
             + 3.0 * (w * t * t + 2.0 * s * t * z + sp * z * z);
         let g = &self.gradients;
         (value, g[0] * dz + g[1] * dx + g[2] * dy + g[3] * dt)

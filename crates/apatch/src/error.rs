@@ -24,7 +24,9 @@ pub enum ApatchError {
         vertices: usize,
     },
     /// A normal is zero or not finite.
-    #[error("the normal of vertex {vertex} is {value:?}; give it a finite normal that is not zero, or have all estimated")]
+    #[error(
+        "the normal of vertex {vertex} is {value:?}; give it a finite normal that is not zero, or have all estimated"
+    )]
     Normal {
         /// The vertex.
         vertex: usize,
@@ -32,7 +34,9 @@ pub enum ApatchError {
         value: [f64; 3],
     },
     /// A face has no area.
-    #[error("face {face} has no area (height {height:e} of its longest edge, at least {limit:e} is needed); remove it or move its corners")]
+    #[error(
+        "face {face} has no area (height {height:e} of its longest edge, at least {limit:e} is needed); remove it or move its corners"
+    )]
     DegenerateFace {
         /// The face.
         face: usize,
@@ -101,7 +105,9 @@ pub enum ApatchError {
         limit: usize,
     },
     /// A surface point is not finite.
-    #[error("the surface over face {face} is not finite; its coordinates or gradients are too large or too small")]
+    #[error(
+        "the surface over face {face} is not finite; its coordinates or gradients are too large or too small"
+    )]
     NotFinitePatch {
         /// The face.
         face: usize,

@@ -77,8 +77,9 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
         if !automatic || exhausted {
             return Err(first(obstacles));
         }
-        for (width, _) in widths.corner.iter_mut().zip(shrinks).filter(|(_, shrink)| *shrink) {
-            *width *= SHRINK;
+        for c in (0..shrinks.len()).filter(|&c| shrinks[c]) {
+            widths.corner[c] *= SHRINK;
+            widths.reductions[c] += 1;
         }
     }
     let set = maps.maps(network, &widths)?;

@@ -43,7 +43,7 @@ impl CornerMaps for PaperMaps {
             .arcs
             .iter()
             .enumerate()
-            .map(|(i, _)| chain(network, &lengths[i], i, &built, widths))
+            .map(|(i, arc)| chain(network, &lengths[i], i, arc.corners.map(|c| &built[c]), widths))
             .collect::<Result<_, _>>()?;
         Ok(MapSet { corners: built.into_iter().map(|b| b.maps).collect(), chains, missed: 0.0 })
     }
@@ -207,11 +207,11 @@ struct ChainNode {
     point: DVec2,
 }
 
-fn chain(
+pub(crate) fn chain(
     network: &Network,
     lengths: &[f64],
     index: usize,
-    corners: &[CornerBuild],
+    ends: [&CornerBuild; 2],
     widths: &Widths,
 ) -> Result<Vec<StripMaps>, BlendError> {
     let arc = &network.arcs[index];
@@ -221,10 +221,10 @@ fn chain(
         network.corners[arc.corners[end]].arcs.iter().position(|e| *e == wanted).unwrap_or(0)
     };
     let slots = [slot(0), slot(1)];
-    let reach = [0, 1].map(|e| corners[arc.corners[e]].connections[slots[e]]);
-    let ends = [0, 1].map(|e| widths.corner[arc.corners[e]]);
+    let reach = [0, 1].map(|e| ends[e].connections[slots[e]]);
+    let s = [0, 1].map(|e| widths.corner[arc.corners[e]]);
     let available = total - reach[0] - reach[1];
-    let mean = 0.5 * (ends[0] + ends[1]);
+    let mean = 0.5 * (s[0] + s[1]);
     if available < SHORTEST_CHAIN * mean {
         let needed = (reach[0] + reach[1]) / mean + SHORTEST_CHAIN;
         return Err(BlendError::ArcTooShort {
@@ -236,12 +236,12 @@ fn chain(
     }
     let strips = ((available / widths.shortest[index]).floor() as usize).clamp(1, 10_000);
     let stations: Vec<f64> = (1..strips).map(|k| reach[0] + available * k as f64 / strips as f64).collect();
-    let width = |at: f64| ends[0] + (ends[1] - ends[0]) * at / total;
+    let width = |at: f64| s[0] + (s[1] - s[0]) * at / total;
 
     let side = |up: bool| -> Result<Vec<ChainNode>, BlendError> {
         // At the start, ↓ of the chain is ↑ of the adjacent strip, which runs against it: V turns round and U changes its sign.
-        let first = &corners[arc.corners[0]].maps.strips[slots[0]];
-        let last = &corners[arc.corners[1]].maps.strips[slots[1]];
+        let first = &ends[0].maps.strips[slots[0]];
+        let last = &ends[1].maps.strips[slots[1]];
         let start = end_node(if up { &first.down } else { &first.up }, true);
         let end = end_node(if up { &last.up } else { &last.down }, false);
         let segment = if up { arc.left } else { arc.right };

@@ -44,6 +44,8 @@ impl Default for WidthOptions {
 pub struct Widths {
     /// Full width `d_in + d_out` at every corner; it varies linearly along an arc.
     pub corner: Vec<f64>,
+    /// How often the width of every corner was reduced because a map could not be used.
+    pub reductions: Vec<u32>,
     /// Share of `d_in` in the full width.
     pub inner: f64,
     /// Shortest strip on every arc. It does not shrink with the widths: a narrow blend needs no more strips than a wide one to
@@ -89,7 +91,11 @@ impl Widths {
     ///
     /// # Errors
     /// [`BlendError::Width`] when a given width is not positive.
-    pub fn resolve(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -> Result<Self, BlendError> {
+    pub fn resolve(
+        network: &Network,
+        maps: &dyn CornerMaps,
+        options: &WidthOptions,
+    ) -> Result<Self, BlendError> {
         for (name, value) in [
             ("wanted", Some(options.wanted)),
             ("d_in", options.d_in),
@@ -132,6 +138,6 @@ impl Widths {
                 options.d_min.map_or(mean, |d| d * network.diagonal)
             })
             .collect();
-        Ok(Self { corner, inner, shortest, d_curv: options.d_curv })
+        Ok(Self { reductions: vec![0; corner.len()], corner, inner, shortest, d_curv: options.d_curv })
     }
 }

@@ -73,7 +73,12 @@ impl Chart {
 }
 
 /// A sphere in segments given by the loops of their arcs: `arcs` holds corners, left and right segment and the point halfway.
-fn sphere(corners: &[DVec3], arcs: &[(usize, usize, usize, usize, DVec3)], charts: &[Chart], radius: f64) -> Network {
+fn sphere(
+    corners: &[DVec3],
+    arcs: &[(usize, usize, usize, usize, DVec3)],
+    charts: &[Chart],
+    radius: f64,
+) -> Network {
     let arcs: Vec<ArcCurve> = arcs
         .iter()
         .map(|&(a, b, left, right, middle)| {
@@ -125,11 +130,7 @@ fn sphere(corners: &[DVec3], arcs: &[(usize, usize, usize, usize, DVec3)], chart
 fn two_quarters(affine: [DMat2; 3]) -> Network {
     let corners = [DVec3::X, DVec3::NEG_X];
     // From +X over the pole to −X the half with y < 0 lies on the left.
-    let arcs = [
-        (0, 1, 1, 0, DVec3::Z),
-        (0, 1, 0, 2, DVec3::Y),
-        (0, 1, 2, 1, DVec3::NEG_Y),
-    ];
+    let arcs = [(0, 1, 1, 0, DVec3::Z), (0, 1, 0, 2, DVec3::Y), (0, 1, 2, 1, DVec3::NEG_Y)];
     let charts = [
         Chart::new(DVec3::new(0.1, 1.0, 0.9), affine[0]),
         Chart::new(DVec3::new(-0.1, -1.0, 1.1), affine[1]),
@@ -151,7 +152,8 @@ fn tetrahedron() -> Network {
             // Segment i lies opposite corner i.
             let beside: Vec<usize> = (0..4).filter(|&i| i != a && i != b).collect();
             let left = |x: DVec3| corners[a].cross(corners[b]).dot(x) > 0.0;
-            let (l, r) = if left(-corners[beside[0]]) { (beside[0], beside[1]) } else { (beside[1], beside[0]) };
+            let (l, r) =
+                if left(-corners[beside[0]]) { (beside[0], beside[1]) } else { (beside[1], beside[0]) };
             arcs.push((a, b, l, r, corners[a] + corners[b]));
         }
     }
@@ -196,10 +198,16 @@ fn check(network: &Network, maps: &dyn CornerMaps, limits: [f64; 3]) {
     let blend = blend(network, maps, &WidthOptions { wanted: 0.2, ..WidthOptions::default() }).unwrap();
     assert!(blend.widths.corner.iter().all(|w| *w == 0.2), "a width shrank: {:?}", blend.widths.corner);
     let got = errors(&blend);
-    println!("strips {:.1e}, N-blends {:.1e}, |H - 1| {:.1e}, Jacobian {:.2}", got[0], got[1], got[2], blend.maps.jacobian);
+    println!(
+        "strips {:.1e}, N-blends {:.1e}, |H - 1| {:.1e}, Jacobian {:.2}",
+        got[0], got[1], got[2], blend.maps.jacobian
+    );
     assert!(got.iter().zip(limits).all(|(g, l)| *g <= l), "{got:?} above {limits:?}");
     let [position, normal, curvature] = jumps(&blend.surface);
-    assert!(position <= 1e-14 && normal <= 5e-12 && curvature <= 1e-9, "{position:e} {normal:e} {curvature:e}");
+    assert!(
+        position <= 1e-14 && normal <= 5e-12 && curvature <= 1e-9,
+        "{position:e} {normal:e} {curvature:e}"
+    );
 }
 
 const ORDERS: [Correspondence; 2] =
@@ -218,7 +226,8 @@ fn a_sphere_of_unequal_angles() {
     // The centres of these charts are up to 1.6 away from their corners (0.7 in the specification, with 8e-9 / 5e-11 at (2, 2)).
     check(&network, &ORDERS[0], [2e-5, 5e-6, 2e-2]);
     check(&network, &ORDERS[1], [1e-7, 5e-9, 2e-4]);
-    let paper = blend(&network, &PaperMaps, &WidthOptions { wanted: 0.2, ..WidthOptions::default() }).unwrap();
+    let paper =
+        blend(&network, &PaperMaps, &WidthOptions { wanted: 0.2, ..WidthOptions::default() }).unwrap();
     assert!(errors(&paper)[1] > 1e-4);
 }
 

@@ -8,7 +8,7 @@ use crate::chart::Chart;
 use crate::correction::correct;
 use crate::guard::inspect;
 use crate::rectangle::Frame;
-use crate::smoothing::{self, choose};
+use crate::smoothing::{self, Choice, choose};
 use crate::{
     Cells, EnergyOrder, FitError, FitInput, FitOptions, FitReport, Grid, GuardReport, Mode, Outcome,
     Smoothing, System,
@@ -65,6 +65,8 @@ const FEW: usize = 10;
 const MARGIN: f64 = 0.05;
 /// λ at least this many floors means that the residual is noise.
 const NOISE_LIMITED: f64 = 10.0;
+/// Residual that finer knots must leave of a noisy one to be called noise (a noisy sphere: 0.97 to 1.03; coarse clean meshes: 0.3 to 0.8).
+const NOISE_STAYS: f64 = 0.85;
 /// How often the guards may raise λ tenfold.
 const GUARD_INCREASES: usize = 4;
 /// By how much they may raise the residual.
@@ -88,32 +90,33 @@ pub fn fit(input: &FitInput<'_>, options: &FitOptions) -> Result<Fit, FitError> 
     let knots = &options.knots;
     let finest = knots.finest.min(knots.start) * chart.edge;
     let mut h = knots.start * chart.edge;
-    let mut params = chart.params.clone();
-    let (mut rounds, mut corrections) = (0, 0);
-    let mut grid = lay_grid(&chart, &params, h, options)?;
+    let grid = lay_grid(&chart, &chart.params, h, options)?;
+    let mut round = Round::run(&chart, grid, chart.params.clone(), order, options)?;
+    let (mut rounds, mut corrections) = (1, round.corrections);
     loop {
-        let round = Round::run(&chart, grid, params, order, options)?;
-        rounds += 1;
-        corrections += round.corrections;
-        let mut next = None;
-        // Rounding of √2 · √2 must neither cost a round nor add one at h = e.
-        if knots.cells.is_none() && chart.vertices >= FEW && h > finest * (1.0 + 1e-9) {
-            h = (h / knots.ratio).max(finest);
-            let finer = lay_grid(&chart, &round.params, h, options)?;
-            // The limit on the coefficients may leave nothing to refine.
-            next = (finer.spacing() < 0.99 * grid.spacing()).then_some(finer);
+        if round.within(options) {
+            return round.finish(&chart, order, rounds, corrections, Outcome::Tolerance);
         }
-        let outcome = if round.within(options) {
-            Outcome::Tolerance
-        } else if round.noise_limited && options.mode == Mode::Data {
-            Outcome::Noise
-        } else if let Some(finer) = next {
-            (grid, params) = (finer, round.params);
-            continue;
-        } else {
-            Outcome::Limit
-        };
-        return round.finish(&chart, order, rounds, corrections, outcome);
+        let noisy = round.noise_limited && options.mode == Mode::Data;
+        let last = if noisy { Outcome::Noise } else { Outcome::Limit };
+        // Rounding of √2 · √2 must neither cost a round nor add one at h = e.
+        if knots.cells.is_some() || chart.vertices < FEW || h <= finest * (1.0 + 1e-9) {
+            return round.finish(&chart, order, rounds, corrections, last);
+        }
+        h = (h / knots.ratio).max(finest);
+        let finer = lay_grid(&chart, &round.params, h, options)?;
+        // The limit on the coefficients may leave nothing to refine.
+        if finer.spacing() >= 0.99 * round.system.grid().spacing() {
+            return round.finish(&chart, order, rounds, corrections, last);
+        }
+        let next = Round::run(&chart, finer, round.params.clone(), order, options)?;
+        rounds += 1;
+        corrections += next.corrections;
+        // Noise does not care for knots; detail that was too fine for them does.
+        if noisy && next.rms > NOISE_STAYS * round.rms {
+            return round.finish(&chart, order, rounds, corrections, Outcome::Noise);
+        }
+        round = next;
     }
 }
 
@@ -178,16 +181,22 @@ impl Round {
         let cells = Cells::around(grid, &params, chart.triangles, chart.reach);
         let system = System::new(cells, &params, &chart.weights, chart.area, order)?;
         let n = chart.vertices;
-        let select =
-            |floor| choose(&system, &chart.points, n, options.smoothing, floor, 1.0 / chart.relative);
-        let choice = match select(options.floor) {
-            Err(FitError::Breakdown { .. }) => select(10.0 * options.floor)?,
-            other => other?,
+        let choose_at = |system: &System| {
+            let select =
+                |floor| choose(system, &chart.points, n, options.smoothing, floor, 1.0 / chart.relative);
+            match select(options.floor) {
+                Err(FitError::Breakdown { .. }) => select(10.0 * options.floor),
+                other => other,
+            }
         };
+        let choice = choose_at(&system)?;
         let floor = system.lambda(options.floor);
-        let noise_limited = choice.from_data
-            && (matches!(options.smoothing, Smoothing::Noise(_))
-                || choice.lambda >= NOISE_LIMITED * floor * (1.0 - 1e-9));
+        let noise_limited = |choice: &Choice| {
+            choice.from_data
+                && (matches!(options.smoothing, Smoothing::Noise(_))
+                    || choice.lambda >= NOISE_LIMITED * floor * (1.0 - 1e-9))
+        };
+        let (noisy, from_data) = (noise_limited(&choice), choice.from_data);
         let mut round = Self {
             freedom: choice.trace / n as f64,
             lambda: choice.lambda,
@@ -199,7 +208,7 @@ impl Round {
             max: 0.0,
             worst: 0,
             corrections: 0,
-            noise_limited,
+            noise_limited: noisy,
             guard: GuardReport::default(),
         };
         round.estimate_noise(chart);
@@ -207,6 +216,13 @@ impl Round {
             if !round.correct(chart, options)? {
                 break;
             }
+        }
+        if round.corrections > 0 && from_data {
+            // What the correction removed is no longer taken for noise.
+            let again = choose_at(&round.system)?;
+            round.noise_limited = noise_limited(&again);
+            (round.lambda, round.net, round.freedom) = (again.lambda, again.net, again.trace / n as f64);
+            round.estimate_noise(chart);
         }
         round.measure(chart);
         if options.mode == Mode::Tolerance {

@@ -98,7 +98,9 @@ pub struct FitOptions {
     pub floor: f64,
     /// Rounds of foot points and refit. Default 2: they get most of the gain; more do not help the shape.
     pub corrections: usize,
-    /// No correction when the noise estimate exceeds this many median edges. Default 0.1.
+    /// No correction when the noise estimate exceeds this many median edges. Default 1: what looks like noise of a tenth of
+    /// an edge is mostly parameters that do not fit (coarse clean meshes: correcting them lowers the RMS by factors of 2 to 5,
+    /// a noisy sphere is none the worse).
     pub correction_noise: f64,
 }
 
@@ -112,7 +114,7 @@ impl Default for FitOptions {
             knots: Knots::default(),
             floor: 1e-4,
             corrections: 2,
-            correction_noise: 0.1,
+            correction_noise: 1.0,
         }
     }
 }

@@ -110,7 +110,8 @@ pub fn reconstruct(
 
     let (charts, fits, reaches, mut lines) = clock.run(Stage::Fit, segmentation.charts.len(), || {
         let lines = arc_lines(mesh, &topology, &segmentation, options, STRAIGHTNESS[0]);
-        let collars = collar_widths(mesh, &segmentation, &lines, &options.widths, stages.maps.as_ref(), diagonal);
+        let collars =
+            collar_widths(mesh, &segmentation, &lines, &options.widths, stages.maps.as_ref(), diagonal);
         let sharp = match options.widths.intent {
             suture_blend::Intent::Fidelity => CollarOptions::default().sharp,
             suture_blend::Intent::Fillet => std::f64::consts::PI,

@@ -21,6 +21,9 @@ const LEAST_COT: f64 = 0.2;
 const DIRECTION_AT: f64 = 1.2;
 /// Sectors below this, or as close to a full turn, make cross lines of neighbouring arcs intersect.
 pub(super) const SHARPEST: f64 = 18.0 * std::f64::consts::PI / 180.0;
+/// Cosine between the lines and a normal above which a corner counts as smooth, and below which its lines are useless.
+const SMOOTH: f64 = 0.9;
+const STEEPEST: f64 = 0.2;
 /// Shortest adjacent strip, in widths: shorter ones arise only where the cap acts on both sides of a ray.
 const SHORTEST: f64 = 0.05;
 
@@ -41,16 +44,12 @@ impl Layout {
     /// The layout for width `s`, or `None` where the arcs leave in the wrong order or too close to each other.
     pub(super) fn new(network: &Network, lengths: &[Vec<f64>], corner: &Corner, s: f64) -> Option<Self> {
         let n = corner.arcs.len();
-        let rays: Vec<Ray<'_>> = corner
-            .arcs
-            .iter()
-            .map(|e| Ray::new(&network.arcs[e.arc], &lengths[e.arc], e.starts))
-            .collect();
-        let mut normal = DVec3::ZERO;
-        for (i, ray) in rays.iter().enumerate() {
-            normal += network.surfaces[network.segment(corner, i)].jet(ray.sample(0.0).left).normal()?;
-        }
-        let normal = normal.try_normalize()?;
+        let rays: Vec<Ray<'_>> =
+            corner.arcs.iter().map(|e| Ray::new(&network.arcs[e.arc], &lengths[e.arc], e.starts)).collect();
+        let normals = (0..n)
+            .map(|i| network.surfaces[network.segment(corner, i)].jet(rays[i].sample(0.0).left).normal())
+            .collect::<Option<Vec<_>>>()?;
+        let normal = central_direction(&normals)?;
         let e1 = normal.any_orthonormal_vector();
         let axes = [e1, normal.cross(e1)];
         let origin = rays[0].sample(0.0).position;
@@ -119,6 +118,29 @@ impl Layout {
     }
 }
 
+/// The direction whose largest angle with the `normals` is least: lines along it meet all of the surfaces as steeply as can be.
+/// `None` where some surface turns away from every direction.
+fn central_direction(normals: &[DVec3]) -> Option<DVec3> {
+    // The smallest cap around the normals is that around two of them, or around three.
+    let n = normals.len();
+    let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let mut centres: Vec<DVec3> = pairs.clone().map(|(i, j)| normals[i] + normals[j]).collect();
+    centres.extend(pairs.flat_map(|(i, j)| {
+        (0..j).map(move |k| {
+            let centre = (normals[i] - normals[k]).cross(normals[j] - normals[k]);
+            centre * centre.dot(normals[k]).signum()
+        })
+    }));
+    let least = |d: &DVec3| normals.iter().map(|n| n.dot(*d)).fold(f64::INFINITY, f64::min);
+    // The sum first: it is the smoothest choice, and as good as any on a smooth surface.
+    let sum = normals.iter().sum::<DVec3>().try_normalize().filter(|d| least(d) > SMOOTH);
+    let best = || {
+        let directions = centres.iter().filter_map(|c| c.try_normalize());
+        directions.max_by(|a, b| least(a).total_cmp(&least(b))).filter(|d| least(d) > STEEPEST)
+    };
+    sum.or_else(best)
+}
+
 /// Distance of the first cross line from a corner of valence `n` with equal angles, in widths.
 pub(super) fn regular_reach(n: usize) -> f64 {
     let cot = 2.0 * gon::apothem(n);
@@ -161,7 +183,9 @@ mod tests {
     fn harmonic_layouts_interpolate() {
         for n in 3..=8 {
             let r: Vec<DVec2> = (0..n)
-                .map(|i| DVec2::from_angle(0.3 + TAU * i as f64 / n as f64) * (1.0 + 0.2 * (i as f64 * 1.7).sin()))
+                .map(|i| {
+                    DVec2::from_angle(0.3 + TAU * i as f64 / n as f64) * (1.0 + 0.2 * (i as f64 * 1.7).sin())
+                })
                 .collect();
             let l = harmonic(&r).unwrap();
             for (p, r) in gon::corners(n).into_iter().zip(&r) {

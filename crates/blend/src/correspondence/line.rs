@@ -43,7 +43,9 @@ pub(super) fn meet(surface: &BSplineSurface<DVec3>, line: &Line, start: DVec2, w
             DVec2::new(p.dot(jet.dv), q.dot(jet.dv)),
         );
         let determinant = matrix.determinant();
-        if !(determinant > 1e-3 * jet.du.length() * jet.dv.length()) || jet.p.distance(origin) > FARTHEST * width {
+        if !(determinant > 1e-3 * jet.du.length() * jet.dv.length())
+            || jet.p.distance(origin) > FARTHEST * width
+        {
             return None;
         }
         let residual = DVec2::new(p.dot(gap), q.dot(gap));

@@ -22,7 +22,7 @@ use self::layout::Layout;
 use self::line::Line;
 use self::project::{Across, GonProjection, hermite, lines};
 use self::reference::{Centre, Jet};
-use crate::check::{LEAST_JACOBIAN, jacobian};
+use crate::check::{LEAST_JACOBIAN, jacobian, strip_jacobian};
 use crate::maps::{CornerMapSet, CornerMaps, MapSet, Node, StripMaps, between};
 use crate::network::sample_at;
 use crate::paper;
@@ -34,6 +34,9 @@ use crate::{ArcCurve, ArcEnd, BlendError, Corner, Network, gon};
 const ENLARGEMENT: f64 = 1.3;
 /// Share of missed lines above which the maps of a corner say nothing about the shape.
 const MOST_MISSED: f64 = 0.05;
+/// Reductions of the width after which the paper's maps are tried at a corner beside which strips fold, and along an arc that folds.
+const PAPER_CORNER: u32 = 2;
+const PAPER_ARC: u32 = 5;
 /// Least length of a chain in widths: one strip a third as long as it is wide.
 const SHORTEST_CHAIN: f64 = 0.3;
 
@@ -60,7 +63,7 @@ impl CornerMaps for Correspondence {
         let lengths: Vec<Vec<f64>> = network.arcs.iter().map(ArcCurve::lengths).collect();
         // The ladder: what folds at full degree is made again at degree 1, corners that fold even then by the paper.
         let mut rungs = vec![Rung::Degree(top); network.corners.len()];
-        let mut orders = vec![across; network.arcs.len()];
+        let mut orders = vec![ArcOrder::Degree(across); network.arcs.len()];
         let mut corners: Vec<Option<CornerBuild>> = network.corners.iter().map(|_| None).collect();
         let mut arcs: Vec<Option<ArcBuild>> = network.arcs.iter().map(|_| None).collect();
         loop {
@@ -73,9 +76,9 @@ impl CornerMaps for Correspondence {
                 .collect::<Result<_, BlendError>>()?;
             let built: Vec<&CornerBuild> = corners.iter().flatten().collect();
             arcs = (arcs.into_par_iter().zip(&orders).enumerate())
-                .map(|(a, (old, &q))| match old {
+                .map(|(a, (old, &order))| match old {
                     Some(build) => Ok(Some(build)),
-                    None => ArcBuild::new(network, &lengths[a], a, &built, widths, q).map(Some),
+                    None => ArcBuild::new(network, &lengths[a], a, &built, widths, order).map(Some),
                 })
                 .collect::<Vec<Result<_, BlendError>>>()
                 .into_iter()
@@ -91,15 +94,37 @@ impl CornerMaps for Correspondence {
                 }
             }
             for (a, build) in arcs.iter().enumerate() {
-                if orders[a] > 1 && build.as_ref().is_some_and(ArcBuild::folds) {
-                    orders[a] = 1;
-                    again[a] = true;
-                    for c in network.arcs[a].corners {
-                        if matches!(rungs[c], Rung::Degree(d) if d > 1) {
-                            rungs[c] = Rung::Degree(1);
-                            lowered[c] = true;
+                let Some(build) = build else { continue };
+                let folds = build.folds();
+                if !folds.iter().any(|&f| f) {
+                    continue;
+                }
+                let ends = network.arcs[a].corners;
+                let mut lower = |c: usize, to: Rung| {
+                    if to < rungs[c] {
+                        rungs[c] = to;
+                        lowered[c] = true;
+                    }
+                };
+                match orders[a] {
+                    ArcOrder::Degree(q) if q > 1 => {
+                        orders[a] = ArcOrder::Degree(1);
+                        again[a] = true;
+                        ends.iter().for_each(|&c| lower(c, Rung::Degree(1)));
+                    }
+                    ArcOrder::Degree(_) => {
+                        for (e, c) in ends.into_iter().enumerate() {
+                            if folds[e] && widths.reductions[c] >= PAPER_CORNER {
+                                lower(c, Rung::Paper);
+                            }
+                        }
+                        if folds[2] && ends.iter().any(|&c| widths.reductions[c] >= PAPER_ARC) {
+                            orders[a] = ArcOrder::Paper;
+                            again[a] = true;
+                            ends.iter().for_each(|&c| lower(c, Rung::Paper));
                         }
                     }
+                    ArcOrder::Paper => {}
                 }
             }
             if !lowered.contains(&true) && !again.contains(&true) {
@@ -119,9 +144,17 @@ impl CornerMaps for Correspondence {
     }
 }
 
-/// Step of the ladder on which a corner stands.
-#[derive(Clone, Copy)]
+/// Step of the ladder on which a corner stands, the lowest first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Rung {
+    Paper,
+    Degree(usize),
+}
+
+/// How the strips of an arc are made. The paper's need its maps at both ends.
+#[derive(Clone, Copy)]
+enum ArcOrder {
+    /// This degree across.
     Degree(usize),
     Paper,
 }
@@ -132,7 +165,8 @@ fn gon_lattice(valence: usize, k: usize) -> Vec<DVec2> {
     let mut points = vec![DVec2::ZERO];
     for i in 0..valence {
         let (a, b) = (r[i] * ENLARGEMENT, r[(i + 1) % valence] * ENLARGEMENT);
-        points.extend((1..=k).flat_map(|i| (0..=k - i).map(move |j| (a * i as f64 + b * j as f64) / k as f64)));
+        points
+            .extend((1..=k).flat_map(|i| (0..=k - i).map(move |j| (a * i as f64 + b * j as f64) / k as f64)));
     }
     points
 }
@@ -281,6 +315,8 @@ fn edge_jet(map: &PlanePolynomial, [right, left]: [DVec2; 2], outward: f64, v: f
 /// The strips of an arc from N-gon to N-gon, `U` along the arc.
 struct ArcBuild {
     strips: Vec<StripMaps>,
+    /// Whether the first and the last strip are those beside the corners.
+    adjacent: [bool; 2],
     missed: Missed,
 }
 
@@ -323,9 +359,18 @@ impl ArcBuild {
         index: usize,
         corners: &[&CornerBuild],
         widths: &Widths,
-        q: usize,
+        order: ArcOrder,
     ) -> Result<Self, BlendError> {
         let arc = &network.arcs[index];
+        let paper = arc.corners.map(|c| corners[c].paper.as_ref());
+        let q = match (order, paper) {
+            (ArcOrder::Paper, [Some(start), Some(end)]) => {
+                let strips = paper::chain(network, lengths, index, [start, end], widths)?;
+                return Ok(Self { strips, adjacent: [false; 2], missed: Missed::default() });
+            }
+            (ArcOrder::Degree(q), _) => q,
+            (ArcOrder::Paper, _) => 1,
+        };
         let total = lengths.last().copied().unwrap_or(0.0);
         let ends = [0, 1].map(|e| {
             let wanted = ArcEnd { arc: index, starts: e == 0 };
@@ -352,8 +397,7 @@ impl ArcBuild {
         }
         let count = ((available / widths.shortest[index]).round() as usize).clamp(1, 10_000);
         let [from, to] = [ends[0].reach, total - ends[1].reach];
-        let mut t: Vec<f64> =
-            (0..=count).map(|k| from + (to - from) * k as f64 / count as f64).collect();
+        let mut t: Vec<f64> = (0..=count).map(|k| from + (to - from) * k as f64 / count as f64).collect();
 
         let stop = || BlendError::Inconsistent { what: format!("arc {index} has no direction") };
         let centre = Centre::new(network, arc, lengths, mean)?;
@@ -382,7 +426,8 @@ impl ArcBuild {
 
         let across = Across::chebyshev(q)?;
         let exact = Across::interpolation(q)?;
-        let layout_at = |k: usize| if k == 0 { ends[0].build.layout.as_ref() } else { ends[1].build.layout.as_ref() };
+        let layout_at =
+            |k: usize| if k == 0 { ends[0].build.layout.as_ref() } else { ends[1].build.layout.as_ref() };
         let mut missed = Missed::default();
         let mut sides = [false, true].map(|up| (up, Vec::new()));
         for k in 0..t.len() - 1 {
@@ -430,11 +475,24 @@ impl ArcBuild {
                 Ok(StripMaps { down: strip(&chains[0])?, up: strip(&chains[1])? })
             })
             .collect::<Result<_, BlendError>>()?;
-        Ok(Self { strips, missed })
+        let adjacent = ends.map(|e| e.build.layout.is_some());
+        Ok(Self { strips, adjacent, missed })
     }
 
-    fn folds(&self) -> bool {
-        self.strips.iter().any(|s| [&s.down, &s.up].into_iter().any(|map| !(crate::check::strip_jacobian(map) > LEAST_JACOBIAN)))
+    /// Whether a strip folds: beside the start, beside the end, between.
+    fn folds(&self) -> [bool; 3] {
+        let last = self.strips.len() - 1;
+        let mut folds = [false; 3];
+        for (k, strip) in self.strips.iter().enumerate() {
+            let place = match k {
+                0 if self.adjacent[0] => 0,
+                k if k == last && self.adjacent[1] => 1,
+                _ => 2,
+            };
+            let folded = |map| !(strip_jacobian(map) > LEAST_JACOBIAN);
+            folds[place] |= folded(&strip.down) || folded(&strip.up);
+        }
+        folds
     }
 }
 
@@ -452,7 +510,9 @@ fn half_width([a, b]: [f64; 2], [from, to]: [f64; 2], t: f64) -> [f64; 3] {
 
 fn blend_nodes(start: Jet, end: Jet, u: f64, h: f64) -> DVec3 {
     let [a, e] = hermite(u);
-    start.value * a[0] + start.d * (a[1] * h) + start.dd * (a[2] * h * h)
+    start.value * a[0]
+        + start.d * (a[1] * h)
+        + start.dd * (a[2] * h * h)
         + end.value * e[0]
         + end.d * (e[1] * h)
         + end.dd * (e[2] * h * h)
@@ -483,12 +543,11 @@ fn assemble(network: &Network, corners: Vec<Option<CornerBuild>>, arcs: Vec<Opti
     let mut strips: Vec<Vec<Option<StripMaps>>> =
         network.corners.iter().map(|c| vec![None; c.arcs.len()]).collect();
     for (a, build) in arcs.into_iter().enumerate() {
-        let Some(ArcBuild { strips: mut chain, missed: m }) = build else { continue };
+        let Some(ArcBuild { strips: mut chain, adjacent, missed: m }) = build else { continue };
         missed = missed.add(m);
         for (e, &c) in network.arcs[a].corners.iter().enumerate() {
             let slot = network.corners[c].arcs.iter().position(|x| *x == ArcEnd { arc: a, starts: e == 0 });
-            let laid_out = corners[c].as_ref().is_some_and(|b| b.layout.is_some());
-            if let Some(slot) = slot.filter(|_| laid_out) {
+            if let Some(slot) = slot.filter(|_| adjacent[e]) {
                 strips[c][slot] = if e == 0 { Some(turned(chain.remove(0))) } else { chain.pop() };
             }
         }

@@ -75,8 +75,11 @@ impl Across {
             suture_bernstein::bernstein::values(q, v, &mut values);
             values.iter().enumerate().for_each(|(j, &b)| matrix[(row, j)] = b);
         }
-        let operator =
-            if matrix.is_square() { matrix.try_inverse().ok_or_else(singular)? } else { pseudo_inverse(matrix)? };
+        let operator = if matrix.is_square() {
+            matrix.try_inverse().ok_or_else(singular)?
+        } else {
+            pseudo_inverse(matrix)?
+        };
         Ok(Self { nodes, operator })
     }
 
@@ -179,9 +182,7 @@ pub(super) fn chain(
     nodes.extend(right.iter().map(|solution| {
         let row = |r: usize| {
             let power = width.powi(-(r as i32));
-            (0..columns)
-                .map(|j| DVec2::new(solution[(r, 2 * j)], solution[(r, 2 * j + 1)]) * power)
-                .collect()
+            (0..columns).map(|j| DVec2::new(solution[(r, 2 * j)], solution[(r, 2 * j + 1)]) * power).collect()
         };
         Node { p: row(0), d: row(1), dd: row(2) }
     }));

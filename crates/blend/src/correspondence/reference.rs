@@ -45,7 +45,12 @@ pub(super) struct Centre {
 
 impl Centre {
     /// Least-squares splines of the arc and of the summed normals of the two surfaces along it.
-    pub(super) fn new(network: &Network, arc: &ArcCurve, lengths: &[f64], width: f64) -> Result<Self, BlendError> {
+    pub(super) fn new(
+        network: &Network,
+        arc: &ArcCurve,
+        lengths: &[f64],
+        width: f64,
+    ) -> Result<Self, BlendError> {
         let total = lengths.last().copied().unwrap_or(0.0);
         let spacing = total / (arc.samples.len() - 1) as f64;
         let knots = (KNOTS * width).max(2.0 * spacing);

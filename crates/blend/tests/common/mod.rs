@@ -35,4 +35,3 @@ pub(crate) fn jumps(surface: &Surface) -> [f64; 3] {
     }
     worst
 }
-

@@ -1,0 +1,367 @@
+//! Proofs that every ray meets the surface once: branch and bound over faces and edges (specification, section 6).
+//!
+//! On a cell of rays, the smallest Bernstein coefficients of `B₀..B₃` are the coefficients of a cubic below all their shooting
+//! polynomials; what [`Shooting::required`] asks of that one suffices for all. Cells that are not settled are halved.
+
+use std::collections::BinaryHeap;
+
+use crate::cubic::{Cubic, dot};
+use crate::edge::{EdgeForm, EdgeSide};
+use crate::face::{Base, FaceForm, FaceSide};
+use crate::shooting::Shooting;
+
+/// What is known of the rays of a face or an edge on one side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Every ray has a minimal root that is simple.
+    Proven,
+    /// A ray without such a root was found.
+    Violated,
+    /// The allowance of cells was used up.
+    Undecided,
+}
+
+type Triangle = [[f64; 3]; 3];
+
+/// Cells of one face and side.
+struct FaceCells<'a> {
+    form: &'a FaceForm,
+    side: &'a FaceSide,
+}
+
+impl FaceCells<'_> {
+    /// The whole face, by the pieces of its base.
+    fn start(&self) -> Vec<(usize, Triangle)> {
+        let whole = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let pieces = if matches!(self.form.base, Base::Split(_)) { 3 } else { 1 };
+        (0..pieces).map(|k| (k, whole)).collect()
+    }
+
+    /// Coordinates on the face of coordinates on a piece.
+    fn global(&self, piece: usize, y: [f64; 3]) -> [f64; 3] {
+        if !matches!(self.form.base, Base::Split(_)) {
+            return y;
+        }
+        let third = y[0] / 3.0;
+        let [a, b] = crate::coefficients::EDGE[piece];
+        let mut x = [third; 3];
+        x[a] += y[1];
+        x[b] += y[2];
+        x
+    }
+
+    /// Lower bounds of the coefficients on a cell for the apex weight `b`, multiplied by the sign of the side.
+    fn lower(&self, piece: usize, cell: &Triangle, b: f64) -> Shooting {
+        let s = self.side.sign;
+        let b0 = match &self.form.base {
+            Base::Split(cubics) => cubics[piece].lower(cell, s),
+            Base::Rational { cubic, w } => {
+                let mut c = cubic.0;
+                c[9] = s * lower_mean(w.map(|w| s * w), cell);
+                Cubic(c).lower(cell, s)
+            }
+        };
+        let x = cell.map(|y| self.global(piece, y));
+        let (h, m) = (self.side.h, self.side.m);
+        let mut b1 = f64::INFINITY;
+        for i in 0..3 {
+            let line = [
+                h[0] * x[i][0] + m[2] * x[i][1] + m[1] * x[i][2],
+                m[2] * x[i][0] + h[1] * x[i][1] + m[0] * x[i][2],
+                m[1] * x[i][0] + m[0] * x[i][1] + h[2] * x[i][2],
+            ];
+            for y in &x[i..] {
+                b1 = b1.min(s * dot(line, *y));
+            }
+        }
+        let r = self.side.q.map(|q| (b + 2.0 * q) / 3.0);
+        let b2 = x.iter().fold(f64::INFINITY, |m, x| m.min(s * dot(r, *x)));
+        Shooting([b0, b1, b2, s * b])
+    }
+
+    /// The shooting polynomial at the middle of a cell.
+    fn middle(&self, piece: usize, cell: &Triangle, b: f64) -> Shooting {
+        let y = [0, 1, 2].map(|i| (cell[0][i] + cell[1][i] + cell[2][i]) / 3.0);
+        let x = self.global(piece, y);
+        let (l0, _) = self.form.base.gradient(x);
+        let side = FaceSide { b, r: self.side.q.map(|q| (b + 2.0 * q) / 3.0), ..*self.side };
+        self.form.shooting(&side, x, l0)
+    }
+}
+
+/// A lower bound of the mean of `w` with weights `x₁x₂, x₂x₀, x₀x₁` on a cell.
+fn lower_mean(w: [f64; 3], cell: &Triangle) -> f64 {
+    let [lo, hi] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|f| {
+        let x = [0, 1, 2].map(|i| f(f(cell[0][i], cell[1][i]), cell[2][i]));
+        [x[1] * x[2], x[2] * x[0], x[0] * x[1]]
+    });
+    let mut order = [0, 1, 2];
+    order.sort_by(|&i, &j| w[i].total_cmp(&w[j]));
+    let least = w[order[0]];
+    // The extreme of a weighted mean over a box of weights: the small values get the large weights, from some rank on the reverse.
+    let means = (1..3).map(|n| {
+        let weight = |rank: usize| if rank < n { hi[order[rank]] } else { lo[order[rank]] };
+        let sum: f64 = (0..3).map(weight).sum();
+        if sum > 0.0 { (0..3).map(|i| weight(i) * w[order[i]]).sum::<f64>() / sum } else { least }
+    });
+    means.fold(f64::INFINITY, f64::min).max(least)
+}
+
+/// Halves of a triangle across its longest edge.
+fn halves(cell: &Triangle) -> [Triangle; 2] {
+    let square = |a: usize, b: usize| (0..3).map(|i| (cell[a][i] - cell[b][i]).powi(2)).sum::<f64>();
+    let lengths = [square(1, 2), square(2, 0), square(0, 1)];
+    let k = (0..3).fold(0, |k, i| if lengths[i] > lengths[k] { i } else { k });
+    let (a, b) = ((k + 1) % 3, (k + 2) % 3);
+    let middle = [0, 1, 2].map(|i| 0.5 * (cell[a][i] + cell[b][i]));
+    let (mut left, mut right) = (*cell, *cell);
+    (left[b], right[a]) = (middle, middle);
+    [left, right]
+}
+
+/// Whether every ray of a face has a simple minimal root on a side when the apex weight is `b`.
+pub(crate) fn certify_face(form: &FaceForm, side: &FaceSide, b: f64, limit: usize) -> Verdict {
+    let cells = FaceCells { form, side };
+    let mut open = cells.start();
+    let mut seen = 0;
+    while let Some((piece, cell)) = open.pop() {
+        seen += 1;
+        // Not `>=`: what is not a number is not proven.
+        if cells.lower(piece, &cell, b).required(1.0) < 0.0 {
+            continue;
+        }
+        if !(cells.middle(piece, &cell, b).required_sharp(1.0) < 0.0) {
+            return Verdict::Violated;
+        }
+        if seen >= limit {
+            return Verdict::Undecided;
+        }
+        open.extend(halves(&cell).map(|c| (piece, c)));
+    }
+    Verdict::Proven
+}
+
+/// The lower bound of a face's apex weight on one side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaceBound {
+    /// Attained by a ray: at smaller weights the surface is not single-sheeted. Times the sign of the side.
+    pub attained: f64,
+    /// Proven: above it every ray has a simple minimal root. Times the sign of the side.
+    pub proven: f64,
+    /// Number of cells examined.
+    pub cells: usize,
+}
+
+/// A cell in the queue, the one that asks for most first.
+struct Ranked {
+    required: f64,
+    piece: usize,
+    cell: Triangle,
+}
+
+impl PartialEq for Ranked {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Ranked {}
+
+impl PartialOrd for Ranked {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Ranked {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.required.total_cmp(&other.required)
+    }
+}
+
+/// Both bounds, no further apart than `gap` unless the allowance of cells is used up.
+pub(crate) fn bound_face(form: &FaceForm, side: &FaceSide, gap: f64, limit: usize) -> FaceBound {
+    let cells = FaceCells { form, side };
+    let mut attained = f64::NEG_INFINITY;
+    let mut heap: BinaryHeap<Ranked> = BinaryHeap::new();
+    let examine = |piece: usize, cell: Triangle, heap: &mut BinaryHeap<Ranked>, attained: &mut f64| {
+        *attained = attained.max(cells.middle(piece, &cell, 0.0).required_sharp(1.0));
+        let required = cells.lower(piece, &cell, 0.0).required(1.0);
+        if required > f64::NEG_INFINITY {
+            heap.push(Ranked { required, piece, cell });
+        }
+    };
+    let mut seen = 0;
+    for (piece, cell) in cells.start() {
+        seen += 1;
+        examine(piece, cell, &mut heap, &mut attained);
+    }
+    loop {
+        let Some(top) = heap.pop() else {
+            return FaceBound { attained, proven: attained, cells: seen };
+        };
+        if top.required <= attained + gap || seen >= limit || !top.required.is_finite() {
+            return FaceBound { attained, proven: top.required.max(attained), cells: seen };
+        }
+        for half in halves(&top.cell) {
+            seen += 1;
+            examine(top.piece, half, &mut heap, &mut attained);
+        }
+    }
+}
+
+/// The parts of an edge, by parameter from `p_i` to `p_j`, over which the surface lies on a side.
+pub(crate) fn spans(form: &EdgeForm, sign: f64) -> Vec<[f64; 2]> {
+    match EdgeForm::pinch(form.e) {
+        None if form.is_nonconvex() => Vec::new(),
+        None => vec![[0.0, 1.0]],
+        Some(x) if (form.e[0] < 0.0) == (sign > 0.0) => vec![[0.0, x]],
+        Some(x) => vec![[x, 1.0]],
+    }
+}
+
+/// Restricts Bernstein coefficients from `[0, 1]` to `[lo, hi]`.
+fn restrict<const N: usize>(mut c: [f64; N], lo: f64, hi: f64) -> [f64; N] {
+    // Right end first; then the left end within what remains.
+    for r in 1..N {
+        for i in (r..N).rev() {
+            c[i] = c[i - 1] * (1.0 - hi) + c[i] * hi;
+        }
+    }
+    let at = if hi > 0.0 { lo / hi } else { 0.0 };
+    for r in 1..N {
+        for i in 0..N - r {
+            c[i] = c[i] * (1.0 - at) + c[i + 1] * at;
+        }
+    }
+    c
+}
+
+/// Lower bounds of the coefficients on a box of rays.
+fn edge_lower(form: &EdgeForm, side: &EdgeSide, [xi, y]: [[f64; 2]; 2]) -> Shooting {
+    let s = side.sign;
+    let least = |c: &[f64]| c.iter().fold(f64::INFINITY, |m, c| m.min(s * c));
+    let b0 = least(&restrict([0.0, form.e[0], form.e[1], 0.0], xi[0], xi[1]));
+    let rows = side.b1.map(|row| restrict(row, xi[0], xi[1]));
+    let columns = side.b2.map(|column| restrict(column, y[0], y[1]));
+    let (mut b1, mut b2) = (f64::INFINITY, f64::INFINITY);
+    for at in y {
+        b1 = b1.min(least(&[0, 1, 2].map(|i| rows[0][i] * (1.0 - at) + rows[1][i] * at)));
+    }
+    for at in xi {
+        b2 = b2.min(least(&[0, 1, 2, 3].map(|i| columns[0][i] * (1.0 - at) + columns[1][i] * at)));
+    }
+    Shooting([b0, b1, b2, least(&restrict(side.b3, y[0], y[1]))])
+}
+
+/// Whether every ray of an edge has a simple minimal root on a side.
+pub(crate) fn certify_edge(form: &EdgeForm, side: &EdgeSide, limit: usize) -> Verdict {
+    let mut open: Vec<[[f64; 2]; 2]> = spans(form, side.sign).into_iter().map(|s| [s, [0.0, 1.0]]).collect();
+    let mut seen = 0;
+    while let Some(cell) = open.pop() {
+        seen += 1;
+        if edge_lower(form, side, cell).required(1.0) < 0.0 {
+            continue;
+        }
+        let [x, y] = cell.map(|[a, b]| 0.5 * (a + b));
+        if !(form.shooting(side, x, y).required_sharp(1.0) < 0.0) {
+            return Verdict::Violated;
+        }
+        if seen >= limit {
+            return Verdict::Undecided;
+        }
+        let [wide, high] = cell.map(|[a, b]| b - a);
+        if wide > high {
+            open.extend([[[cell[0][0], x], cell[1]], [[x, cell[0][1]], cell[1]]]);
+        } else {
+            open.extend([[cell[0], [cell[1][0], y]], [cell[0], [y, cell[1][1]]]]);
+        }
+    }
+    Verdict::Proven
+}
+
+/// The ratio in which the weights of `u'` and `u` are raised: 1, unless that would not help everywhere.
+pub(crate) fn ratio(side: &EdgeSide) -> f64 {
+    let least = |k: f64| {
+        let value = |y: f64| {
+            let [u, p] = side.betas(y);
+            (u + k * p) / (1.0 + k)
+        };
+        (0..=64).map(|i| value(f64::from(i) / 64.0)).fold(f64::INFINITY, f64::min)
+    };
+    // Below this, increments would be large beside what they achieve.
+    if least(1.0) > 0.05 {
+        return 1.0;
+    }
+    let (mu, nu) = (side.mu[3], side.nu[3]);
+    let balanced = (mu < 0.0 && nu < 0.0).then(|| mu / nu);
+    let powers = (-12..=12).map(|n| 2f64.powi(n));
+    let best =
+        balanced
+            .into_iter()
+            .chain(powers)
+            .map(|k| (k, least(k)))
+            .fold((1.0, least(1.0)), |best, new| if new.1 > best.1 { new } else { best });
+    best.0
+}
+
+/// The largest increment of the weight of `u` (and `ratio` times that of `u'`) that a sampled ray asks for, times the sign.
+pub(crate) fn required_edge(form: &EdgeForm, side: &EdgeSide, ratio: f64) -> f64 {
+    let at = |xi: f64, y: f64| {
+        let [u, p] = side.betas(y);
+        form.shooting(side, xi, y).required_sharp(u + ratio * p)
+    };
+    let mut worst = f64::NEG_INFINITY;
+    for [lo, hi] in spans(form, side.sign) {
+        let mut centre = (0.5 * (lo + hi), 0.5);
+        let mut half = (0.5 * (hi - lo), 0.5);
+        for round in 0..4 {
+            let n = if round == 0 { 12 } else { 8 };
+            let mut best = (f64::NEG_INFINITY, centre);
+            for i in 0..=n {
+                for j in 0..=n {
+                    let part = |k: i32| 2.0 * f64::from(k) / f64::from(n) - 1.0;
+                    let x = (centre.0 + half.0 * part(i)).clamp(lo, hi);
+                    let y = (centre.1 + half.1 * part(j)).clamp(0.0, 1.0);
+                    let value = at(x, y);
+                    if value > best.0 {
+                        best = (value, (x, y));
+                    }
+                }
+            }
+            worst = worst.max(best.0);
+            centre = best.1;
+            half = (0.3 * half.0, 0.3 * half.1);
+        }
+    }
+    worst
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn restriction_keeps_the_polynomial(c in prop::array::uniform4(-1.0..1.0f64), a in 0.0..1.0f64, b in 0.0..1.0f64, t in 0.0..1.0f64) {
+            let value = |c: [f64; 4], t: f64| {
+                let s = 1.0 - t;
+                c[0] * s * s * s + 3.0 * c[1] * s * s * t + 3.0 * c[2] * s * t * t + c[3] * t * t * t
+            };
+            let (lo, hi) = (a.min(b), a.max(b));
+            prop_assert!((value(restrict(c, lo, hi), t) - value(c, lo * (1.0 - t) + hi * t)).abs() < 1e-13);
+        }
+
+        #[test]
+        fn no_mean_lies_below_its_bound(
+            w in prop::array::uniform3(-2.0..1.0f64), cell in prop::array::uniform3(prop::array::uniform3(0.01..1.0f64)),
+            at in prop::array::uniform3(0.01..1.0f64),
+        ) {
+            let sum: f64 = at.iter().sum();
+            let x = [0, 1, 2].map(|i| (0..3).map(|k| at[k] / sum * cell[k][i]).sum::<f64>());
+            let a = [x[1] * x[2], x[2] * x[0], x[0] * x[1]];
+            prop_assert!(dot(w, a) / (a[0] + a[1] + a[2]) >= lower_mean(w, &cell) - 1e-12);
+        }
+    }
+}

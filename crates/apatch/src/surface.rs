@@ -1,0 +1,231 @@
+//! The product: an implicit surface that can be evaluated, taken apart into patches, asked and changed.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use suture_mesh::{Topology, TriMesh};
+use suture_surface::{Continuity, EdgeRef, Patch, PatchId, Seam, Surface};
+
+use crate::bounds::{bound_face, spans};
+use crate::edge::EdgeForm;
+use crate::face::{FaceForm, SurfacePoint};
+use crate::hull::{EdgeClass, FaceClass, opposite_vertex};
+use crate::patches::{EdgePatch, FacePatch, PlanarPatch};
+use crate::{ApatchError, ApatchReport, FaceBound};
+
+/// A side of the mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// Where the normals point.
+    Positive,
+    /// The other one.
+    Negative,
+}
+
+impl Side {
+    pub(crate) fn index(self) -> usize {
+        match self {
+            Self::Positive => 0,
+            Self::Negative => 1,
+        }
+    }
+
+    pub(crate) fn of(index: usize) -> Self {
+        if index == 0 { Self::Positive } else { Self::Negative }
+    }
+}
+
+/// An implicit surface over a mesh: `F = 0` in the tetrahedra of its faces and edges, `F < 0` inside, `F > 0` outside, near the surface.
+#[derive(Clone, Debug)]
+pub struct ApatchSurface {
+    pub(crate) mesh: TriMesh,
+    pub(crate) topology: Topology,
+    pub(crate) classes: Vec<FaceClass>,
+    pub(crate) parents: Vec<u32>,
+    pub(crate) faces: Vec<Option<Arc<FaceForm>>>,
+    pub(crate) edges: Vec<Arc<EdgeForm>>,
+    /// The half-edge along which each edge runs.
+    pub(crate) halves: Vec<u32>,
+    /// The edge of every half-edge.
+    pub(crate) of_half: Vec<u32>,
+    pub(crate) report: ApatchReport,
+}
+
+impl ApatchSurface {
+    /// The mesh that the surface interpolates, refined where that was necessary; its normals are the gradients.
+    pub fn mesh(&self) -> &TriMesh {
+        &self.mesh
+    }
+
+    /// The face of the input that each face is a part of.
+    pub fn parents(&self) -> &[u32] {
+        &self.parents
+    }
+
+    /// What the construction found and did.
+    pub fn report(&self) -> &ApatchReport {
+        &self.report
+    }
+
+    /// Class of every face.
+    pub fn face_classes(&self) -> &[FaceClass] {
+        &self.classes
+    }
+
+    /// Number of edges.
+    pub fn edge_count(&self) -> usize {
+        self.edges.len()
+    }
+
+    /// The two vertices of an edge, in its direction.
+    pub fn edge_vertices(&self, edge: usize) -> Option<[u32; 2]> {
+        let &h = self.halves.get(edge)?;
+        Some([self.topology.tail(h), self.topology.head(h)])
+    }
+
+    /// The class of an edge.
+    pub fn edge_class(&self, edge: usize) -> Option<EdgeClass> {
+        Some(EdgeClass::of(self.edges.get(edge)?.e))
+    }
+
+    /// The surface over a point of a face, by its barycentric coordinates (of sum 1); `None` if there is no such face.
+    pub fn face_point(&self, face: usize, q: [f64; 3]) -> Option<SurfacePoint> {
+        match self.faces.get(face)? {
+            Some(form) => Some(form.point(q)),
+            None => {
+                let [a, b, c] = self.mesh.corners(face);
+                let position = a * q[0] + b * q[1] + c * q[2];
+                Some(SurfacePoint { position, gradient: (b - a).cross(c - a), t: 0.0, simple: true })
+            }
+        }
+    }
+
+    /// The surface along an edge: `xi` from its first vertex to its second, `y` from its right face (0) to its left one (1). `None` if
+    /// there is no such edge or no tetrahedron along it.
+    pub fn edge_point(&self, edge: usize, xi: f64, y: f64) -> Option<SurfacePoint> {
+        let form = self.edges.get(edge)?;
+        form.side(form.b0(xi))?;
+        Some(form.point(xi, y))
+    }
+
+    /// The apex of a face on a side and its weight (times the sign of the side: larger is closer to the face).
+    pub fn apex(&self, face: usize, side: Side) -> Option<(DVec3, f64)> {
+        let side = self.faces.get(face)?.as_ref()?.sides[side.index()].as_ref()?;
+        Some((side.apex, side.sign * side.b))
+    }
+
+    /// The lower bound of the weight of an apex, attained and proven, no further apart than `gap` of the largest height
+    /// coefficient unless `cells` do not suffice.
+    pub fn face_bound(&self, face: usize, side: Side, gap: f64, cells: usize) -> Option<FaceBound> {
+        let form = self.faces.get(face)?.as_ref()?;
+        let side = form.sides[side.index()].as_ref()?;
+        let height = side.h.iter().fold(0.0_f64, |m, h| m.max(h.abs()));
+        Some(bound_face(form, side, gap * height, cells))
+    }
+
+    /// The same surface with other apex weights on one face (times the sign of the side), and the edges beside it adapted. Bounds are not
+    /// enforced: compare with [`face_bound`](Self::face_bound).
+    ///
+    /// # Errors
+    /// [`ApatchError::NoSuch`], [`ApatchError::Weight`].
+    pub fn set_weight(&mut self, face: usize, side: Side, weight: f64) -> Result<(), ApatchError> {
+        if !weight.is_finite() {
+            return Err(ApatchError::Weight { face, value: weight });
+        }
+        let s = side.index();
+        let count = self.faces.len();
+        let missing = ApatchError::NoSuch { what: "face", index: face, count };
+        let Some(Some(form)) = self.faces.get_mut(face) else { return Err(missing) };
+        let Some(side) = Arc::make_mut(form).sides[s].as_mut() else { return Err(missing) };
+        side.set_weight(side.sign * weight);
+        for k in 0..3 {
+            let edge = self.of_half[3 * face + k] as usize;
+            let h = self.halves[edge];
+            let Some(o) = self.topology.opposite(h) else { continue };
+            let faces = [h, o].map(|h| self.faces[self.topology.face(h) as usize].clone());
+            let [Some(f), Some(g)] = &faces else { continue };
+            let form = Arc::make_mut(&mut self.edges[edge]);
+            if let (Some(f), Some(g), Some(_)) = (&f.sides[s], &g.sides[s], &form.sides[s]) {
+                let new =
+                    crate::edge::EdgeSide::new(form.p, (f, opposite_vertex(h)), (g, opposite_vertex(o)));
+                form.sides[s] = Some(new);
+            }
+        }
+        Ok(())
+    }
+
+    /// The parameter of each half-edge at which the surface crosses its edge.
+    pub(crate) fn pinch(&self, h: u32) -> Option<f64> {
+        let edge = self.of_half[h as usize] as usize;
+        let x = EdgeForm::pinch(self.edges[edge].e)?;
+        Some(if self.halves[edge] == h { x } else { 1.0 - x })
+    }
+
+    /// The lunes of an edge: span and side, in the direction of the edge. Empty on the boundary and for straight edges.
+    pub(crate) fn lunes(&self, edge: usize) -> Vec<([f64; 2], usize)> {
+        let form = &self.edges[edge];
+        let mut all: Vec<([f64; 2], usize)> = (0..2)
+            .filter_map(|s| Some((form.sides[s].as_ref()?, s)))
+            .flat_map(|(side, s)| spans(form, side.sign).into_iter().map(move |span| (span, s)))
+            .collect();
+        all.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+        all
+    }
+
+    /// First patch of the lunes of every edge, after those of the faces.
+    pub(crate) fn lune_patches(&self) -> Vec<u32> {
+        let mut next = self.faces.len() as u32;
+        (0..self.edges.len())
+            .map(|e| {
+                let first = next;
+                next += self.lunes(e).len() as u32;
+                first
+            })
+            .collect()
+    }
+
+    /// The surface as patches with their seams: first one patch per face, then those of the edges. Seams claim C¹.
+    ///
+    /// # Errors
+    /// [`ApatchError::Surface`] if patches and seams did not fit together.
+    pub fn surface(&self) -> Result<Surface, ApatchError> {
+        let mut patches: Vec<Box<dyn Patch>> = Vec::with_capacity(self.faces.len() + self.edges.len());
+        // The first domain edge of every half-edge in the patch of its face.
+        let mut first = vec![0u32; self.of_half.len()];
+        for (f, form) in self.faces.iter().enumerate() {
+            let pinches = [0, 1, 2].map(|j| self.pinch((3 * f + j) as u32));
+            let mut edge = 0;
+            for j in 0..3 {
+                first[3 * f + j] = edge;
+                edge += if form.is_some() && pinches[j].is_some() { 2 } else { 1 };
+            }
+            patches.push(match form {
+                Some(form) => Box::new(FacePatch::new(Arc::clone(form), pinches)),
+                None => Box::new(PlanarPatch::new(self.mesh.corners(f))),
+            });
+        }
+        let mut seams = Vec::new();
+        let at = |patch: u32, edge: u32| EdgeRef { patch: PatchId(patch), edge };
+        let mut seam = |a, b| seams.push(Seam::new(a, b, Continuity::C1));
+        for (e, &h) in self.halves.iter().enumerate() {
+            let Some(o) = self.topology.opposite(h) else { continue };
+            let [f, g] = [h, o].map(|h| self.topology.face(h));
+            let lunes = self.lunes(e);
+            if lunes.is_empty() {
+                seam(at(f, first[h as usize]), at(g, first[o as usize]));
+            }
+            let count = lunes.len() as u32;
+            for (n, (span, side)) in (0u32..).zip(lunes) {
+                let Some(patch) = EdgePatch::new(Arc::clone(&self.edges[e]), span, side) else { continue };
+                let id = patches.len() as u32;
+                patches.push(Box::new(patch));
+                seam(at(f, first[h as usize] + n), at(id, 1));
+                // The right face meets the lunes in the reverse order.
+                seam(at(g, first[o as usize] + count - 1 - n), at(id, 0));
+            }
+        }
+        Ok(Surface::new(patches, seams)?)
+    }
+}
