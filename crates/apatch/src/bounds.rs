@@ -296,12 +296,11 @@ pub(crate) fn ratio(side: &EdgeSide) -> f64 {
     let (mu, nu) = (side.mu[3], side.nu[3]);
     let balanced = (mu < 0.0 && nu < 0.0).then(|| mu / nu);
     let powers = (-12..=12).map(|n| 2f64.powi(n));
-    let best =
-        balanced
-            .into_iter()
-            .chain(powers)
-            .map(|k| (k, least(k)))
-            .fold((1.0, least(1.0)), |best, new| if new.1 > best.1 { new } else { best });
+    let best = balanced
+        .into_iter()
+        .chain(powers)
+        .map(|k| (k, least(k)))
+        .fold((1.0, least(1.0)), |best, new| if new.1 > best.1 { new } else { best });
     best.0
 }
 

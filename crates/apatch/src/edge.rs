@@ -72,11 +72,6 @@ impl EdgeSide {
         }
     }
 
-    /// Whether the tetrahedra of the two faces lie apart and that of the edge fills the gap between them.
-    pub(crate) fn is_valid(&self) -> bool {
-        self.mu[0] < 0.0 && self.nu[0] < 0.0
-    }
-
     /// How the shooting polynomials change when the weights of `u` and `u'` do: by `t²` times these.
     pub(crate) fn betas(&self, y: f64) -> [f64; 2] {
         let z = 1.0 - y;

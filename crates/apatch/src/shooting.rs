@@ -220,7 +220,7 @@ mod tests {
     }
 
     fn admissible() -> impl Strategy<Value = [f64; 4]> {
-        (0.001..1.0, 0.0..2.0, -2.0..3.0, -3.0..3.0).prop_map(|(d, c, b, a)| [-d, c, b, a])
+        (0.001..1.0f64, 0.0..2.0f64, -2.0..3.0f64, -3.0..3.0f64).prop_map(|(d, c, b, a)| [-d, c, b, a])
     }
 
     proptest! {

@@ -6,7 +6,7 @@ use suture_apatch::{ApatchSurface, Cell, Location, Side};
 use suture_mesh::TriMesh;
 
 /// One of the two-triangle figures of the paper: 6, 7, 9 or 10, with its gradients.
-pub fn figure(number: u32) -> (TriMesh, Vec<DVec3>) {
+pub(crate) fn figure(number: u32) -> (TriMesh, Vec<DVec3>) {
     let v = DVec3::new;
     let last = if number == 10 { v(0.0, -4.0, 0.0) } else { v(0.0, -4.0, -1.0) };
     let positions = vec![v(-2.0, 0.0, 0.0), v(2.0, 0.0, 0.0), v(0.0, 4.0, -1.0), last];
@@ -19,7 +19,7 @@ pub fn figure(number: u32) -> (TriMesh, Vec<DVec3>) {
     (TriMesh::new(positions, vec![[0, 1, 2], [1, 0, 3]]), normals.to_vec())
 }
 
-pub fn octahedron() -> TriMesh {
+pub(crate) fn octahedron() -> TriMesh {
     let positions = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|a| [a, -a]).collect();
     let mut faces = Vec::new();
     for x in [0u32, 1] {
@@ -35,14 +35,14 @@ pub fn octahedron() -> TriMesh {
 
 /// Largest jumps of `F` and its gradient across walls, relative to the largest gradient (times the largest edge for values).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Jumps {
-    pub value: f64,
-    pub gradient: f64,
-    pub walls: usize,
+pub(crate) struct Jumps {
+    pub(crate) value: f64,
+    pub(crate) gradient: f64,
+    pub(crate) walls: usize,
 }
 
 /// Compares all pairs of cells that share a wall: three vertices at the same place.
-pub fn wall_jumps(surface: &ApatchSurface) -> Jumps {
+pub(crate) fn wall_jumps(surface: &ApatchSurface) -> Jumps {
     let cells = surface.cells();
     let mut walls: Vec<([[u64; 3]; 3], Cell, [DVec3; 3])> = Vec::new();
     for &cell in &cells {
@@ -85,6 +85,6 @@ pub fn wall_jumps(surface: &ApatchSurface) -> Jumps {
     jumps
 }
 
-pub fn sides() -> [Side; 2] {
+pub(crate) fn sides() -> [Side; 2] {
     [Side::Positive, Side::Negative]
 }
