@@ -145,7 +145,11 @@ impl Build<'_> {
             let mut side = FaceSide::new(corners, sign, apex);
             let wanted = sign
                 * match &self.options.weight {
-                    ApexWeight::Neighbours => side.neighbour_weight(corners, &opposite),
+                    ApexWeight::Neighbours => side
+                        .neighbour_weight(corners, &opposite)
+                        // Neighbours in one plane with the face say nothing; those that share a corner may.
+                        .or_else(|| side.neighbour_weight(corners, &self.ring(f)))
+                        .unwrap_or_else(|| side.paper_weight(corners)),
                     ApexWeight::Paper => side.paper_weight(corners),
                     ApexWeight::Given(w) => sign * w[self.parents[f] as usize],
                 };
@@ -170,6 +174,18 @@ impl Build<'_> {
             weights[s] = Weight { raised: weight > wanted, verdict: Some(verdict) };
         }
         Ok((Some(form), weights))
+    }
+
+    /// The vertices that share a face with a corner of face `f`, with their gradients; some more than once.
+    fn ring(&self, f: usize) -> Vec<(DVec3, DVec3)> {
+        let corners = self.mesh.faces[f];
+        corners
+            .iter()
+            .flat_map(|&v| self.topology.outgoing(v))
+            .flat_map(|h| [self.topology.head(h), self.topology.tail(self.topology.prev(h))])
+            .filter(|v| !corners.contains(v))
+            .map(|v| (self.mesh.positions[v as usize], gradients(&self.mesh)[v as usize]))
+            .collect()
     }
 
     /// The two forms beside an edge, and the numbers there of the vertices opposite.

@@ -96,11 +96,12 @@ impl EdgeSide {
         let [[ai, aj], [bi, bj]] = self.ab;
         let [wp, sp, s, w] = self.b3;
         // z t/(z + t) and its derivatives; 0 on the edge itself.
-        let sum = z + t;
+        let (z0, t0) = (z.max(0.0), t.max(0.0));
+        let sum = z0 + t0;
         let (rho, rho_z, rho_t) = if sum == 0.0 {
             (0.0, 0.0, 0.0)
         } else {
-            (z * t / sum, (t / sum) * (t / sum), (z / sum) * (z / sum))
+            (z0 * t0 / sum, (t0 / sum) * (t0 / sum), (z0 / sum) * (z0 / sum))
         };
         let (ci, cj) = (ai * z + bi * t, aj * z + bj * t);
         let mixed = x * ci + y * cj;

@@ -57,6 +57,8 @@ impl Base {
         match self {
             Self::Rational { cubic, w } => {
                 let (v, g) = cubic.gradient(x);
+                // Roundings below zero must not make negative weights.
+                let x = x.map(|x| x.max(0.0));
                 let a = [x[1] * x[2], x[2] * x[0], x[0] * x[1]];
                 let d = a[0] + a[1] + a[2];
                 if d == 0.0 {
@@ -86,6 +88,7 @@ impl Base {
         match self {
             Self::Rational { cubic, w } => {
                 let mut form = cubic.second(x);
+                let x = x.map(|x| x.max(0.0));
                 let a = [x[1] * x[2], x[2] * x[0], x[0] * x[1]];
                 let d = a[0] + a[1] + a[2];
                 if d == 0.0 {
@@ -172,8 +175,8 @@ impl FaceSide {
     }
 
     /// The weight for which the quadratic of step 5, extended to the opposite vertices of the neighbours, comes closest to their value
-    /// and gradient; the paper's where they do not determine it.
-    pub(crate) fn neighbour_weight(&self, corners: &Corners, opposite: &[(DVec3, DVec3)]) -> f64 {
+    /// and gradient; `None` where they do not determine it.
+    pub(crate) fn neighbour_weight(&self, corners: &Corners, opposite: &[(DVec3, DVec3)]) -> Option<f64> {
         let fit = Quadric::fit(&corners.e, &self.h, &self.m, inner(corners));
         let ell2 = self.ell2(corners);
         let slope = self.gradients[3];
@@ -186,7 +189,7 @@ impl FaceSide {
             above += tau * tau * value + 2.0 * ell2 * tau * slope.dot(gradient - g);
             below += tau.powi(4) + 4.0 * ell2 * tau * tau * slope.length_squared();
         }
-        if below < 1e-8 { self.paper_weight(corners) } else { -above / below }
+        (below >= 1e-8).then(|| -above / below)
     }
 
     /// Area of the face.
