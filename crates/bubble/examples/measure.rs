@@ -1,0 +1,224 @@
+//! The measurements of bubble surfaces: jumps across seams over the built-in shapes and the meshes named on the command line,
+//! convergence on the sphere, invariance, speed.
+//!
+//! `cargo run --release -p suture-bubble --example measure -- ../shared/data/good/eight.off …`
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use std::{error::Error, path::Path, time::Instant};
+
+use common::{jet_jumps, jumps, mean_curvature, parameters, tetrahedron, torus, with_normals};
+use glam::{DMat3, DVec2, DVec3};
+use suture_bubble::{BubbleOptions, Face, Fit, Implicit, PolyMesh, bubble, bubble_with};
+use suture_mesh::{TriMesh, io, shapes};
+use suture_surface::Patch;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("jumps at 50 parameters per edge, corners included: position / diagonal, normal in radians, shape operator relative");
+    println!("{:26} {:>7} n {:>9} {:>9} {:>9} {:>7} {:>7} {:>8}", "mesh", "faces", "position", "normal", "shape", "cos", "fold", "build s");
+    let files: Vec<String> = std::env::args().skip(1).collect();
+    let mut meshes: Vec<(String, PolyMesh)> = vec![
+        ("tetrahedron".into(), with_normals(&tetrahedron())),
+        ("cube".into(), with_normals(&shapes::cuboid(DVec3::ONE, 1))),
+        ("icosahedron".into(), with_normals(&shapes::sphere(0))),
+        ("deformed icosahedron".into(), with_normals(&common::deformed(0))),
+        ("quad torus".into(), torus(12, 8, 0)),
+        ("mixed torus".into(), torus(12, 8, 3)),
+    ];
+    for file in &files {
+        let mesh = io::read(Path::new(file))?.mesh;
+        let name = Path::new(file).file_stem().map_or(file.clone(), |s| s.to_string_lossy().into_owned());
+        meshes.push((name, with_normals(&mesh)));
+    }
+    for (name, mesh) in &meshes {
+        for order in 0..3 {
+            if let Err(e) = row(name, mesh, order) {
+                println!("{name:26} {:7} {order} {e}", mesh.faces.len());
+            }
+        }
+    }
+    println!("\njets of graphs across seams, by order 0 to 4, in units of the edge, relative");
+    for (name, mesh) in meshes.iter().filter(|m| m.1.faces.len() < 1000) {
+        for order in 1..5 {
+            match bubble(mesh, &BubbleOptions { order, refuse: 0.0, ..Default::default() }) {
+                Ok(s) => println!("{name:26} {order} {}", list(&jet_jumps(&s, &parameters(21)))),
+                Err(e) => println!("{name:26} {order} {e}"),
+            }
+        }
+    }
+    spheres()?;
+    invariance()?;
+    speed()?;
+    Ok(())
+}
+
+fn diagonal(mesh: &PolyMesh) -> f64 {
+    let (lo, hi) = mesh.positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), &p| (a.min(p), b.max(p)));
+    (hi - lo).length()
+}
+
+fn row(name: &str, mesh: &PolyMesh, order: usize) -> Result<(), Box<dyn Error>> {
+    let start = Instant::now();
+    let options = BubbleOptions { order, refuse: 0.0, ..Default::default() };
+    let surface = bubble(mesh, &options)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let j = jumps(&surface, diagonal(mesh), &parameters(50));
+    let report = surface.report();
+    let cosine = report.cosine.map_or(1.0, |c| c.value);
+    println!(
+        "{name:26} {:7} {order} {:9.1e} {:9.1e} {:9.1e} {cosine:7.3} {:7.3} {seconds:8.3}",
+        mesh.faces.len(), j.position, j.normal, j.shape, report.fold
+    );
+    if order == 2 {
+        for w in &report.warnings {
+            println!("    {w}");
+        }
+    }
+    Ok(())
+}
+
+/// Largest errors of distance, normal and mean curvature on the unit sphere.
+fn sphere_errors(level: u32, order: usize, fit: Fit) -> Result<[f64; 3], Box<dyn Error>> {
+    let mesh = shapes::sphere(level);
+    let poly = PolyMesh::from_triangles(&mesh, &mesh.positions)?;
+    let surface = bubble(&poly, &BubbleOptions { order, fit, ..Default::default() })?;
+    let mut worst = [0.0_f64; 3];
+    for patch in surface.patches() {
+        for i in 0..21 {
+            for j in 0..21 - i {
+                let jet = patch.jet(DVec2::new(f64::from(i), f64::from(j)) / 20.0);
+                let Some(n) = jet.normal() else { continue };
+                let r = jet.p.normalize();
+                let errors =
+                    [(jet.p.length() - 1.0).abs(), n.cross(r).length().atan2(n.dot(r)), (mean_curvature(&jet) + 1.0).abs()];
+                for k in 0..3 {
+                    worst[k] = worst[k].max(errors[k]);
+                }
+            }
+        }
+    }
+    Ok(worst)
+}
+
+fn spheres() -> Result<(), Box<dyn Error>> {
+    println!("\nunit sphere, icosphere levels 0 to 3: largest errors of distance / normal / mean curvature, and orders between levels");
+    for (name, fit, orders) in [
+        ("tangential", Fit::Tangential, 0..5),
+        ("quadric", Fit::Quadric { lambda: 0.0 }, 1..3),
+        ("quartic", Fit::Quartic, 2..3),
+    ] {
+        for order in orders {
+            let mut last: Option<[f64; 3]> = None;
+            for level in 0..4 {
+                let e = sphere_errors(level, order, fit)?;
+                let rates = last.map(|l| [0, 1, 2].map(|k| (l[k] / e[k]).log2()));
+                println!("{name:10} n = {order} level {level}: {} {:5.1?}", list(&e), rates.unwrap_or_default());
+                last = Some(e);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Largest distance between corresponding points of the surfaces of a mesh and of a moved or renumbered copy.
+fn invariance() -> Result<(), Box<dyn Error>> {
+    println!("\ninvariance: largest distance between corresponding points, deformed icosahedron and mixed torus");
+    let rotation = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 1.1);
+    let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+    for (name, mesh) in [("deformed", with_normals(&common::deformed(0))), ("mixed", torus(12, 8, 3))] {
+        for order in 0..5 {
+            let options = BubbleOptions { order, ..Default::default() };
+            let plain = bubble(&mesh, &options)?;
+            let distance = |other: &PolyMesh, back: DMat3, at: &dyn Fn(usize, DVec2) -> DVec2| -> Result<f64, Box<dyn Error>> {
+                let moved = bubble(other, &options)?;
+                let mut worst = 0.0_f64;
+                for (f, (a, b)) in plain.patches().iter().zip(moved.patches()).enumerate() {
+                    for (u, v) in [(0.2, 0.3), (0.6, 0.1), (0.25, 0.0), (0.45, 0.45), (0.05, 0.05)] {
+                        let at_a = DVec2::new(u, v);
+                        worst = worst.max(a.jet(at_a).p.distance(back * b.jet(at(f, at_a)).p));
+                    }
+                }
+                Ok(worst)
+            };
+            let map = |m: DMat3| {
+                let mut out = mesh.clone();
+                out.positions.iter_mut().chain(&mut out.normals).for_each(|p| *p = m * *p);
+                out
+            };
+            let same = |_: usize, at: DVec2| at;
+            let turned = distance(&map(rotation), rotation.transpose(), &same)?;
+            let mut mirrored = map(mirror);
+            for f in &mut mirrored.faces {
+                match f {
+                    Face::Triangle(v) => v.swap(1, 2),
+                    Face::Quad(v) => v.swap(1, 3),
+                }
+            }
+            let flipped = distance(&mirrored, mirror, &|_, at| DVec2::new(at.y, at.x))?;
+            // Vertices in reverse, corners of every face begun one later.
+            let last = mesh.positions.len() as u32 - 1;
+            let mut renumbered = mesh.clone();
+            renumbered.positions.reverse();
+            renumbered.normals.reverse();
+            for f in &mut renumbered.faces {
+                match f {
+                    Face::Triangle(v) => {
+                        *v = v.map(|v| last - v);
+                        v.rotate_left(1);
+                    }
+                    Face::Quad(v) => {
+                        *v = v.map(|v| last - v);
+                        v.rotate_left(1);
+                    }
+                }
+            }
+            let quads: Vec<bool> = mesh.faces.iter().map(|f| f.vertices().len() == 4).collect();
+            let turn = move |f: usize, at: DVec2| {
+                if quads[f] { DVec2::new(at.y, 1.0 - at.x) } else { DVec2::new(at.y, 1.0 - at.x - at.y) }
+            };
+            let relabelled = distance(&renumbered, DMat3::IDENTITY, &turn)?;
+            println!("{name:10} n = {order}: rotation {turned:.1e}, mirror {flipped:.1e}, relabelling {relabelled:.1e}");
+        }
+    }
+    Ok(())
+}
+
+fn speed() -> Result<(), Box<dyn Error>> {
+    println!("\nspeed");
+    let mesh: TriMesh = shapes::torus(2.0, 0.8, 320, 160);
+    let poly = with_normals(&mesh);
+    for (fit, name) in [(Fit::Tangential, "tangential"), (Fit::Quartic, "quartic")] {
+        for order in 0..3 {
+            let options = BubbleOptions { order, fit, ..Default::default() };
+            let start = Instant::now();
+            let surface = bubble(&poly, &options)?;
+            println!("build n = {order}, {} triangles, {name}: {:.2} s", mesh.faces.len(), start.elapsed().as_secs_f64());
+            if fit == Fit::Tangential {
+                let start = Instant::now();
+                let mut sum = DVec3::ZERO;
+                for patch in surface.patches().iter().take(20_000) {
+                    for k in 0..10 {
+                        sum += patch.jet(DVec2::new(0.05 + 0.07 * f64::from(k), 0.13)).duv;
+                    }
+                }
+                let seconds = start.elapsed().as_secs_f64();
+                println!("  jets of order two: {:.2} million per second ({:.1e})", 0.2 / seconds, sum.x);
+            }
+        }
+    }
+    let f = Implicit::quadric(DVec3::Z, DMat3::IDENTITY);
+    let given = vec![f; 3];
+    let tiny = PolyMesh {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+        normals: vec![DVec3::Z; 3],
+        faces: vec![Face::Triangle([0, 1, 2])],
+        creases: Vec::new(),
+    };
+    println!("given implicits: {:?}", bubble_with(&tiny, &given, &BubbleOptions::default())?.report().warnings);
+    Ok(())
+}
+
+fn list(x: &[f64]) -> String {
+    x.iter().map(|x| format!("{x:8.1e}")).collect::<Vec<_>>().join(" ")
+}
