@@ -15,8 +15,13 @@ use suture_mesh::{TriMesh, io, shapes};
 use suture_surface::Patch;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("jumps at 50 parameters per edge, corners included: position / diagonal, normal in radians, shape operator relative");
-    println!("{:26} {:>7} n {:>9} {:>9} {:>9} {:>7} {:>7} {:>8}", "mesh", "faces", "position", "normal", "shape", "cos", "fold", "build s");
+    println!(
+        "jumps at 50 parameters per edge, corners included: position / diagonal, normal in radians, shape operator relative"
+    );
+    println!(
+        "{:26} {:>7} n {:>9} {:>9} {:>9} {:>7} {:>7} {:>8}",
+        "mesh", "faces", "position", "normal", "shape", "cos", "fold", "build s"
+    );
     let files: Vec<String> = std::env::args().skip(1).collect();
     let mut meshes: Vec<(String, PolyMesh)> = vec![
         ("tetrahedron".into(), with_normals(&tetrahedron())),
@@ -54,7 +59,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn diagonal(mesh: &PolyMesh) -> f64 {
-    let (lo, hi) = mesh.positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), &p| (a.min(p), b.max(p)));
+    let (lo, hi) =
+        mesh.positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), &p| (a.min(p), b.max(p)));
     (hi - lo).length()
 }
 
@@ -68,7 +74,11 @@ fn row(name: &str, mesh: &PolyMesh, order: usize) -> Result<(), Box<dyn Error>> 
     let cosine = report.cosine.map_or(1.0, |c| c.value);
     println!(
         "{name:26} {:7} {order} {:9.1e} {:9.1e} {:9.1e} {cosine:7.3} {:7.3} {seconds:8.3}",
-        mesh.faces.len(), j.position, j.normal, j.shape, report.fold
+        mesh.faces.len(),
+        j.position,
+        j.normal,
+        j.shape,
+        report.fold
     );
     if order == 2 {
         for w in &report.warnings {
@@ -90,8 +100,11 @@ fn sphere_errors(level: u32, order: usize, fit: Fit) -> Result<[f64; 3], Box<dyn
                 let jet = patch.jet(DVec2::new(f64::from(i), f64::from(j)) / 20.0);
                 let Some(n) = jet.normal() else { continue };
                 let r = jet.p.normalize();
-                let errors =
-                    [(jet.p.length() - 1.0).abs(), n.cross(r).length().atan2(n.dot(r)), (mean_curvature(&jet) + 1.0).abs()];
+                let errors = [
+                    (jet.p.length() - 1.0).abs(),
+                    n.cross(r).length().atan2(n.dot(r)),
+                    (mean_curvature(&jet) + 1.0).abs(),
+                ];
                 for k in 0..3 {
                     worst[k] = worst[k].max(errors[k]);
                 }
@@ -102,7 +115,9 @@ fn sphere_errors(level: u32, order: usize, fit: Fit) -> Result<[f64; 3], Box<dyn
 }
 
 fn spheres() -> Result<(), Box<dyn Error>> {
-    println!("\nunit sphere, icosphere levels 0 to 3: largest errors of distance / normal / mean curvature, and orders between levels");
+    println!(
+        "\nunit sphere, icosphere levels 0 to 3: largest errors of distance / normal / mean curvature, and orders between levels"
+    );
     for (name, fit, orders) in [
         ("tangential", Fit::Tangential, 0..5),
         ("quadric", Fit::Quadric { lambda: 0.0 }, 1..3),
@@ -113,7 +128,11 @@ fn spheres() -> Result<(), Box<dyn Error>> {
             for level in 0..4 {
                 let e = sphere_errors(level, order, fit)?;
                 let rates = last.map(|l| [0, 1, 2].map(|k| (l[k] / e[k]).log2()));
-                println!("{name:10} n = {order} level {level}: {} {:5.1?}", list(&e), rates.unwrap_or_default());
+                println!(
+                    "{name:10} n = {order} level {level}: {} {:5.1?}",
+                    list(&e),
+                    rates.unwrap_or_default()
+                );
                 last = Some(e);
             }
         }
@@ -123,14 +142,19 @@ fn spheres() -> Result<(), Box<dyn Error>> {
 
 /// Largest distance between corresponding points of the surfaces of a mesh and of a moved or renumbered copy.
 fn invariance() -> Result<(), Box<dyn Error>> {
-    println!("\ninvariance: largest distance between corresponding points, deformed icosahedron and mixed torus");
+    println!(
+        "\ninvariance: largest distance between corresponding points, deformed icosahedron and mixed torus"
+    );
     let rotation = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 1.1);
     let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
     for (name, mesh) in [("deformed", with_normals(&common::deformed(0))), ("mixed", torus(12, 8, 3))] {
         for order in 0..5 {
             let options = BubbleOptions { order, ..Default::default() };
             let plain = bubble(&mesh, &options)?;
-            let distance = |other: &PolyMesh, back: DMat3, at: &dyn Fn(usize, DVec2) -> DVec2| -> Result<f64, Box<dyn Error>> {
+            let distance = |other: &PolyMesh,
+                            back: DMat3,
+                            at: &dyn Fn(usize, DVec2) -> DVec2|
+             -> Result<f64, Box<dyn Error>> {
                 let moved = bubble(other, &options)?;
                 let mut worst = 0.0_f64;
                 for (f, (a, b)) in plain.patches().iter().zip(moved.patches()).enumerate() {
@@ -178,7 +202,9 @@ fn invariance() -> Result<(), Box<dyn Error>> {
                 if quads[f] { DVec2::new(at.y, 1.0 - at.x) } else { DVec2::new(at.y, 1.0 - at.x - at.y) }
             };
             let relabelled = distance(&renumbered, DMat3::IDENTITY, &turn)?;
-            println!("{name:10} n = {order}: rotation {turned:.1e}, mirror {flipped:.1e}, relabelling {relabelled:.1e}");
+            println!(
+                "{name:10} n = {order}: rotation {turned:.1e}, mirror {flipped:.1e}, relabelling {relabelled:.1e}"
+            );
         }
     }
     Ok(())
@@ -193,7 +219,11 @@ fn speed() -> Result<(), Box<dyn Error>> {
             let options = BubbleOptions { order, fit, ..Default::default() };
             let start = Instant::now();
             let surface = bubble(&poly, &options)?;
-            println!("build n = {order}, {} triangles, {name}: {:.2} s", mesh.faces.len(), start.elapsed().as_secs_f64());
+            println!(
+                "build n = {order}, {} triangles, {name}: {:.2} s",
+                mesh.faces.len(),
+                start.elapsed().as_secs_f64()
+            );
             if fit == Fit::Tangential {
                 let start = Instant::now();
                 let mut sum = DVec3::ZERO;
@@ -215,7 +245,10 @@ fn speed() -> Result<(), Box<dyn Error>> {
         faces: vec![Face::Triangle([0, 1, 2])],
         creases: Vec::new(),
     };
-    println!("given implicits: {:?}", bubble_with(&tiny, &given, &BubbleOptions::default())?.report().warnings);
+    println!(
+        "given implicits: {:?}",
+        bubble_with(&tiny, &given, &BubbleOptions::default())?.report().warnings
+    );
     Ok(())
 }
 

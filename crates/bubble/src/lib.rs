@@ -5,6 +5,7 @@ mod assemble;
 mod corner;
 mod cross;
 mod error;
+mod fast;
 mod fit;
 mod hermite;
 mod implicit;

@@ -18,6 +18,7 @@ use crate::{
     MAX_ORDER,
     corner::{CornerFrame, corner_jet, plane_count, plane_index},
     cross::{CrossData, Leaving, cross},
+    fast::{self, Directions, Lane, Pair},
     hermite::{Hermite, LENGTH, Polynomial, binomial, factorial, rising},
     implicit::Implicit,
     series::{self, Plane},
@@ -337,9 +338,9 @@ impl BubblePatch {
     /// The jet of the height `h`.
     pub fn height(&self, at: DVec2) -> Jet2<f64> {
         match self.order {
-            0 => self.height_sized::<0, 3>(at),
-            1 => self.height_sized::<1, 4>(at),
-            2 => self.height_sized::<2, 5>(at),
+            0 => self.height_fast::<0>(at),
+            1 => self.height_fast::<1>(at),
+            2 => self.height_fast::<2>(at),
             3 => self.height_sized::<3, 6>(at),
             _ => self.height_sized::<4, 7>(at),
         }
@@ -373,6 +374,98 @@ impl BubblePatch {
             sum = sum.add(plane_jet(&f, &self.gradients(&half)));
         }
         sum
+    }
+
+    /// [`height_sized`](Self::height_sized) for orders up to 2: the two halves of a side go together.
+    #[inline(always)]
+    fn height_fast<const N: usize>(&self, at: DVec2) -> Jet2<f64> {
+        if let Some((k, x, y)) = self.near_corner(at) {
+            return self.corner_height(k, x, y);
+        }
+        let mut sum = Jet2::default();
+        if self.count == 4 {
+            for h in 0..4 {
+                let half = self.half(h);
+                let [x, lambda, w] = self.coordinates(&half, at);
+                let [(base, base_slope), (normal, normal_slope)] =
+                    self.leave(&half, lambda).map(|(a, b)| (a.to_array(), b.to_array()));
+                let d = Directions { base, base_slope, normal, normal_slope };
+                let t = if half.against { w } else { lambda };
+                let mut e = fast::cross::<f64, N, true>(self.strip_of(&half), t, &d);
+                let sign = if half.against { -1.0 } else { 1.0 };
+                for (i, e) in e.iter_mut().enumerate().take(N + 1) {
+                    let q = self.twist::<f64, N, 1>([h], i, lambda, |[c]| c);
+                    *e = [e[0] - 0.5 * q[0], sign * e[1] - 0.5 * q[1], 2.0 * e[2] - q[2]];
+                }
+                let f = fast::blend::<f64, N, true>(x, w, &e);
+                sum = sum.add(plane_jet(&f, &self.gradients(&half)));
+            }
+            return sum;
+        }
+        for side in 0..3 {
+            let halves = [self.half(2 * side), self.half(2 * side + 1)];
+            let [first, second] = [0, 1].map(|k| self.weights(&halves[k]));
+            if first[0] == 0.0 && second[0] == 0.0 {
+                continue;
+            }
+            let [p, q] = [0, 1].map(|k| self.coordinates(&halves[k], at));
+            let (x, lambda, w) = (Pair([p[0], q[0]]), Pair([p[1], q[1]]), Pair([p[2], q[2]]));
+            let zero = [Pair([0.0; 2]); 3];
+            let [base, normal] = [&self.corners, &self.normals].map(|x| {
+                let [a, b] = [0, 1].map(|k| x[halves[k].inward] - x[halves[k].from]);
+                [Pair([a.x, b.x]), Pair([a.y, b.y]), Pair([a.z, b.z])]
+            });
+            let d = Directions { base, base_slope: zero, normal, normal_slope: zero };
+            // The halves run against each other: one of them along the strip's canonical direction.
+            let (t, sign) = if halves[0].against {
+                (Pair([p[2], q[1]]), Pair([-1.0, 1.0]))
+            } else {
+                (Pair([p[1], q[2]]), Pair([1.0, -1.0]))
+            };
+            let mut e = fast::cross::<Pair, N, false>(self.strip_of(&halves[0]), t, &d);
+            let (data, weight) = (Pair([first[0], second[0]]), Pair([first[1], second[1]]));
+            for (i, e) in e.iter_mut().enumerate().take(N + 1) {
+                let q = self.twist::<Pair, N, 2>([2 * side, 2 * side + 1], i, lambda, Pair);
+                let two = Pair([2.0; 2]);
+                *e = [
+                    data * e[0] - weight * q[0],
+                    data * sign * e[1] - weight * q[1],
+                    two * (data * e[2] - weight * q[2]),
+                ];
+            }
+            let f = fast::blend::<Pair, N, false>(x, w, &e);
+            for k in 0..2 {
+                sum = sum.add(plane_jet(&f.map(|f| f.0[k]), &self.gradients(&halves[k])));
+            }
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn strip_of(&self, half: &Half) -> &Strip {
+        &self.strips[self.sides[half.side].strip as usize]
+    }
+
+    /// Taylor coefficients of order 0 to 2 of `Q_i` of some halves.
+    #[inline(always)]
+    fn twist<T: Lane, const N: usize, const K: usize>(
+        &self,
+        halves: [usize; K],
+        i: usize,
+        lambda: T,
+        pack: impl Fn([f64; K]) -> T,
+    ) -> [T; 3] {
+        let mut q = [T::splat(0.0); 3];
+        if N == 0 {
+            return q;
+        }
+        let rows = halves.map(|h| &self.twists[(h * (N + 1) + i) * (2 * N + 2)..][..2 * N + 2]);
+        for j in (0..2 * N + 2).rev() {
+            q[2] = q[2] * lambda + q[1];
+            q[1] = q[1] * lambda + q[0];
+            q[0] = q[0] * lambda + pack(rows.map(|r| r[j]));
+        }
+        q
     }
 
     /// Takes `weight · Q_i(λ)` off value and first two derivatives.
@@ -659,4 +752,52 @@ fn powers(x: f64) -> [[f64; 9]; 3] {
         power *= x;
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BubbleOptions, Face, PolyMesh, bubble};
+
+    #[test]
+    fn the_fast_and_the_general_way_agree() {
+        let positions =
+            [[0.0, 0.0, 0.0], [1.0, 0.1, 0.2], [1.3, 1.2, -0.1], [-0.1, 0.9, 0.3], [0.5, 1.9, 0.4]];
+        let normals =
+            [[-0.2, -0.3, 1.0], [0.3, -0.2, 0.9], [0.2, 0.25, 1.1], [-0.1, 0.2, 1.0], [0.0, 0.4, 0.9]];
+        let faces = vec![Face::Quad([0, 1, 2, 3]), Face::Triangle([3, 2, 4])];
+        let [positions, normals] = [positions, normals].map(|x| x.map(DVec3::from_array).to_vec());
+        let mesh = PolyMesh { positions, normals, faces, creases: Vec::new() };
+        for order in 0..3 {
+            for pairing in [Pairing::Mean, Pairing::Single([1, 2, 0])] {
+                let s = bubble(&mesh, &BubbleOptions { order, pairing, ..Default::default() }).unwrap();
+                for patch in s.patches() {
+                    for (u, v) in [(0.2, 0.3), (0.5, 0.0), (0.7, 0.1), (0.0, 0.4), (0.35, 0.65)] {
+                        let at = DVec2::new(u, v);
+                        let general = match order {
+                            0 => patch.height_sized::<0, 3>(at),
+                            1 => patch.height_sized::<1, 4>(at),
+                            _ => patch.height_sized::<2, 5>(at),
+                        };
+                        let fast = patch.height(at);
+                        let c = patch.taylor(at);
+                        let jet = patch.jet(at);
+                        for (a, b) in [
+                            (general.p, fast.p),
+                            (general.du, fast.du),
+                            (general.dv, fast.dv),
+                            (general.duu, fast.duu),
+                            (general.duv, fast.duv),
+                            (general.dvv, fast.dvv),
+                        ] {
+                            assert!((a - b).abs() < 1e-11, "{order} {pairing:?} {at}: {general:?} {fast:?}");
+                        }
+                        for (a, b) in [(c[1][0], jet.du), (c[2][0] * 2.0, jet.duu), (c[1][1], jet.duv)] {
+                            assert!(a.distance(b) < 1e-11, "{order} {pairing:?} {at}: {a} {b}");
+                        }
+                    }
+                }
+            }
+        }
+    }
 }

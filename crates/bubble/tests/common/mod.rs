@@ -121,7 +121,9 @@ pub fn graph(c: &[[DVec3; 5]; 5], n: DVec3, unit: f64) -> Vec<Vec<f64>> {
     let solution = m.lu().solve(&right).unwrap();
     let mut out = vec![vec![0.0]];
     for k in 1..5 {
-        out.push((0..k + 1).map(|a| solution[orders.iter().position(|&o| o == (a, k - a)).unwrap()]).collect());
+        out.push(
+            (0..k + 1).map(|a| solution[orders.iter().position(|&o| o == (a, k - a)).unwrap()]).collect(),
+        );
     }
     out
 }
