@@ -1,6 +1,8 @@
 //! The measurements of bubble surfaces: jumps across seams over the built-in shapes and the meshes named on the command line,
 //! convergence on the sphere, invariance, speed.
 //!
+//! `measure speed` prints the last table alone.
+//!
 //! `cargo run --release -p suture-bubble --example measure -- ../shared/data/good/eight.off …`
 
 #[path = "../tests/common/mod.rs"]
@@ -15,6 +17,10 @@ use suture_mesh::{TriMesh, io, shapes};
 use suture_surface::Patch;
 
 fn main() -> Result<(), Box<dyn Error>> {
+    // `measure speed` for the last table alone.
+    if std::env::args().nth(1).is_some_and(|a| a == "speed") {
+        return speed();
+    }
     println!(
         "jumps at 50 parameters per edge, corners included: position / diagonal, normal in radians, shape operator relative"
     );

@@ -239,6 +239,32 @@ impl Strip {
         [a, b]
     }
 
+    /// What the strip copies at both ends, as [`new`](Self::new) takes it.
+    pub fn end_taylor(&self) -> [EndTaylor; 2] {
+        let counts = Counts { order: self.order, contact: self.contact };
+        let heights = self.height_taylor();
+        let mut out = heights.map(|height| EndTaylor { height, ..EndTaylor::default() });
+        for (end, out) in out.iter_mut().enumerate() {
+            let t = end as f64;
+            let sign = |i: usize| if end == 1 && i % 2 == 1 { -1.0 } else { 1.0 };
+            for k in 1..self.order + 1 {
+                let width = components(k);
+                let entry = |e: usize| {
+                    let column: Vec<f64> = self.level(k).iter().skip(e).step_by(width).copied().collect();
+                    let [series] = horner::<9, 1>(&column, t);
+                    (0..counts.per_end(k)).map(|i| sign(i) * series[i]).collect()
+                };
+                out.tensors.push((0..width).map(entry).collect());
+            }
+            if let Some(d) = &self.displacement {
+                let d = horner::<9, 3>(d, t);
+                out.displacement =
+                    (0..self.contact + 1).map(|i| DVec3::new(d[0][i], d[1][i], d[2][i]) * sign(i)).collect();
+            }
+        }
+        out
+    }
+
     /// The boundary curve: position and first two derivatives at `t`.
     pub fn curve(&self, t: f64) -> [DVec3; 3] {
         let p = self.curve_series::<3>(t);
