@@ -34,6 +34,7 @@ mod error;
 pub mod io;
 mod loops;
 mod measure;
+pub mod normals;
 pub mod repair;
 mod report;
 pub mod shapes;
@@ -45,6 +46,7 @@ mod tri_mesh;
 pub use check::check;
 pub use error::{MeshError, Place};
 pub use measure::{dihedral_angle, median_edge_length, vertex_normals_area_weighted};
+pub use normals::{EstimateNormals, NormalsError};
 pub use report::{
     BadIndex, BoundaryLoop, CoincidentVertex, Component, DuplicateFace, Listed, MeshReport, MisorientedEdge,
     NonManifoldEdge,
