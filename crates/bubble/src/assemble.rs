@@ -37,7 +37,7 @@ pub struct BubbleOptions {
 
 impl Default for BubbleOptions {
     fn default() -> Self {
-        Self { order: 2, fit: Fit::Automatic, pairing: Pairing::Mean, curved: true, refuse: 0.05, warn: 0.3 }
+        Self { order: 2, fit: Fit::Tangential, pairing: Pairing::Mean, curved: true, refuse: 0.05, warn: 0.3 }
     }
 }
 
@@ -69,7 +69,7 @@ pub struct BubbleSurface {
 /// # References
 /// M. Kapl, M. Byrtus, B. Jüttler, *Triangular bubble spline surfaces*, 2011.
 pub fn bubble(mesh: &PolyMesh, options: &BubbleOptions) -> Result<BubbleSurface, BubbleError> {
-    bubble_with(mesh, &Fitted { fit: options.fit, order: options.order }, options)
+    bubble_with(mesh, &Fitted { fit: options.fit }, options)
 }
 
 /// As [`bubble`], with vertex implicits from elsewhere; `options.fit` does not matter.
@@ -126,7 +126,7 @@ pub fn bubble_over(
     let limits = Limits { refuse: [r, 2.0 * r, 4.0 * r], warn: [w; 3] };
     let (extremes, mut warnings) = report::weigh_all(&network, &limits)?;
 
-    let shared = Arc::new(network.strips.clone());
+    let shared = Arc::clone(&network.strips);
     let hermite = Hermite::new(n);
     let orders = (n, network.contact);
     let build = |scratch: &mut Vec<f64>, f: usize| {
@@ -175,7 +175,6 @@ pub fn bubble_over(
         triangles: sides - quads,
         quads,
         strips,
-        creases: 0,
         boundary: network.edges.edges.iter().filter(|e| e.faces.len() == 1).count(),
         cosine: (n > 0).then_some(cosine),
         normal,
@@ -250,12 +249,11 @@ fn seams(network: &Network) -> (Vec<Seam>, Vec<[u32; 2]>) {
         _ => Continuity::G2,
     };
     let (mut seams, mut branching) = (Vec::new(), Vec::new());
-    for (number, e) in network.edges.edges.iter().enumerate() {
+    for e in &network.edges.edges {
         match e.faces[..] {
             [] | [_] => {}
             [a, b] => {
                 let edge = |e: EdgeUse| EdgeRef { patch: PatchId(e.face), edge: u32::from(e.side) };
-                let claimed = if network.strips[number].is_displaced() { Continuity::C0 } else { claimed };
                 let mut seam = Seam::new(edge(a), edge(b), claimed);
                 seam.same_direction = a.forward == b.forward;
                 seams.push(seam);

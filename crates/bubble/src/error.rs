@@ -59,14 +59,6 @@ pub enum BubbleError {
         /// The vertex.
         vertex: u32,
     },
-    /// A crease names a vertex that does not exist, or no edge of the mesh.
-    #[error("crease {crease} between vertices {} and {} is no edge of the mesh", edge[0], edge[1])]
-    Crease {
-        /// Number of the crease.
-        crease: usize,
-        /// Its vertices.
-        edge: [u32; 2],
-    },
     /// A position is not finite, or so large that its square is not.
     #[error("the position of vertex {vertex} is not finite or too large to be squared")]
     NotFinite {

@@ -13,6 +13,8 @@ pub(crate) type Polynomial = [f64; LENGTH];
 pub(crate) struct Hermite {
     /// By end, then by `i`.
     pub(crate) basis: [[Polynomial; MAX_ORDER + 1]; 2],
+    /// `∂_u^l [(1 − u)^i H(v/(1 − u))]` at `u = 0` as polynomials in `v`, by `l`, then as `basis`.
+    pub(crate) phi: [[[Polynomial; MAX_ORDER + 1]; 2]; MAX_ORDER + 1],
 }
 
 impl Hermite {
@@ -38,19 +40,19 @@ impl Hermite {
             basis[0][i] = at0;
             basis[1][i] = at1;
         }
-        Self { basis }
-    }
-
-    /// `∂_u^l [(1 − u)^i H(v/(1 − u))]` at `u = 0` as a polynomial in `v`, for `H = H_{end,i}`: on `v^q` it multiplies by
-    /// `(−1)^l (i − q)(i − q − 1) … (i − q − l + 1)`.
-    pub(crate) fn phi(&self, l: usize, end: usize, i: usize) -> Polynomial {
-        let mut out = self.basis[end][i];
-        for (q, c) in out.iter_mut().enumerate() {
-            for step in 0..l {
-                *c *= q as f64 + step as f64 - i as f64;
+        // On v^q the operator multiplies by (−1)^l (i − q)(i − q − 1) … (i − q − l + 1).
+        let mut phi = [basis; MAX_ORDER + 1];
+        for l in 1..MAX_ORDER + 1 {
+            phi[l] = phi[l - 1];
+            for at_end in &mut phi[l] {
+                for (i, p) in at_end.iter_mut().enumerate() {
+                    for (q, c) in p.iter_mut().enumerate() {
+                        *c *= (q + l - 1) as f64 - i as f64;
+                    }
+                }
             }
         }
-        out
+        Self { basis, phi }
     }
 }
 
@@ -66,39 +68,20 @@ pub(crate) fn binomial(n: usize, k: usize) -> f64 {
 #[inline(always)]
 pub(crate) fn rising<const N: usize>(r: f64, q: f64) -> [[f64; 3]; MAX_ORDER + 1] {
     let mut out = [[0.0; 3]; MAX_ORDER + 1];
-    match N {
-        0 => out[0] = [q, -1.0, 0.0],
-        1 => {
-            out[0] = [q * q * (1.0 + 2.0 * r), -6.0 * r * q, 12.0 * r - 6.0];
-            out[1] = [q * q * r, q * (1.0 - 3.0 * r), 6.0 * r - 4.0];
+    for (i, out) in out.iter_mut().enumerate().take(N + 1) {
+        // P = rⁱ/i! Σ_k C(N+k, k) rᵏ times q^{N+1}.
+        let mut p = [0.0; 3];
+        for k in (0..N - i + 1).rev() {
+            p = [p[0] * r + CHOOSE[N + k][k], p[1] * r + p[0], p[2] * r + 2.0 * p[1]];
         }
-        2 => {
-            let q2 = q * q;
-            out[0] =
-                [q2 * q * (1.0 + 3.0 * r + 6.0 * r * r), -30.0 * r * r * q2, 60.0 * r * q * (2.0 * r - 1.0)];
-            out[1] = [
-                r * q2 * q * (1.0 + 3.0 * r),
-                q2 * (1.0 + 2.0 * r - 15.0 * r * r),
-                r * q * (60.0 * r - 36.0),
-            ];
-            out[2] =
-                [0.5 * r * r * q2 * q, 0.5 * r * q2 * (2.0 - 5.0 * r), q * (1.0 - 8.0 * r + 10.0 * r * r)];
+        for l in 1..i + 1 {
+            p = [p[0] * r, p[1] * r + p[0], p[2] * r + 2.0 * p[1]].map(|x| x / l as f64);
         }
-        _ => {
-            for (i, out) in out.iter_mut().enumerate().take(N + 1) {
-                // P = rⁱ/i! Σ_k C(N+k, k) rᵏ times q^{N+1}.
-                let mut p = [0.0; 3];
-                for k in (0..N - i + 1).rev() {
-                    p = [p[0] * r + CHOOSE[N + k][k], p[1] * r + p[0], p[2] * r + 2.0 * p[1]];
-                }
-                for l in 1..i + 1 {
-                    p = [p[0] * r, p[1] * r + p[0], p[2] * r + 2.0 * p[1]].map(|x| x / l as f64);
-                }
-                let low = q.powi(N as i32 - 1);
-                let (d0, d1, d2) = (low * q * q, -((N + 1) as f64) * low * q, ((N + 1) * N) as f64 * low);
-                *out = [p[0] * d0, p[1] * d0 + p[0] * d1, p[2] * d0 + 2.0 * p[1] * d1 + p[0] * d2];
-            }
-        }
+        // q^{N+1} and its derivatives; no negative power where N = 0.
+        let low = if N == 0 { 0.0 } else { q.powi(N as i32 - 1) };
+        let (d0, d1, d2) =
+            (q.powi(N as i32 + 1), -((N + 1) as f64) * q.powi(N as i32), ((N + 1) * N) as f64 * low);
+        *out = [p[0] * d0, p[1] * d0 + p[0] * d1, p[2] * d0 + 2.0 * p[1] * d1 + p[0] * d2];
     }
     out
 }

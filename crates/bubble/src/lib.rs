@@ -1,4 +1,29 @@
-//! Bubble splines: G⁰, G¹ and G² surfaces, one patch per triangle or quad.
+//! Bubble splines: surfaces of order G⁰ to G⁴ over meshes of triangles and quads with normals, one patch per face.
+//!
+//! [`bubble`] is the whole way; its stages can be taken one by one: [`VertexImplicits`] (how the surface bends at the vertices, by
+//! default fitted: [`Fitted`]), [`Network`] (strips along the edges), [`bubble_over`] (patches over strips).
+//!
+//! ```
+//! use glam::DVec2;
+//! use suture_bubble::{BubbleOptions, PolyMesh, bubble};
+//! use suture_surface::Patch;
+//!
+//! // Twenty patches over the icosahedron, curvature continuous, nearly a sphere.
+//! let mesh = suture_mesh::shapes::sphere(0);
+//! let poly = PolyMesh::from_triangles(&mesh, &mesh.positions)?;
+//! let ball = bubble(&poly, &BubbleOptions { order: 2, ..Default::default() })?;
+//! let middle = ball.patches()[0].jet(DVec2::new(1.0 / 3.0, 1.0 / 3.0));
+//! assert!((middle.p.length() - 1.0).abs() < 5e-4);
+//! # Ok::<(), suture_bubble::BubbleError>(())
+//! ```
+//!
+//! Conventions: the patch of face `f` is number `f`; corner 0 of a triangle is at `(0, 0)`, corner 1 at `(1, 0)`, corner 2 at `(0, 1)`; quads live
+//! on the unit square; side `k` runs from corner `k` to the next. Strips run from the lower vertex to the higher one. `h` is the height
+//! along the interpolated normal `N`, which is not normalised. Letters are those of Kapl, Byrtus and Jüttler (2011).
+//!
+//! When not to use it: edges that are to stay sharp; normals that see a face from behind (it folds there, the report tells); where
+//! polynomial patches are wanted.
+
 #![forbid(unsafe_code)]
 
 mod assemble;
@@ -31,3 +56,7 @@ pub use strip::{EndTaylor, Strip};
 
 /// The largest order of smoothness.
 pub const MAX_ORDER: usize = 4;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

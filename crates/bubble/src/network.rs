@@ -1,5 +1,7 @@
 //! The network of strips: one per edge of the mesh, in canonical direction.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::{
@@ -120,7 +122,7 @@ pub struct Network {
     pub(crate) order: usize,
     pub(crate) contact: usize,
     pub(crate) implicits: Vec<Implicit>,
-    pub(crate) strips: Vec<Strip>,
+    pub(crate) strips: Arc<Vec<Strip>>,
     pub(crate) edges: Edges,
 }
 
@@ -154,7 +156,7 @@ impl Network {
             .collect::<Vec<_>>();
         // The first error in the order of edges, whatever the threads did.
         let strips = strips.into_iter().collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { order, contact, implicits, strips, edges })
+        Ok(Self { order, contact, implicits, strips: Arc::new(strips), edges })
     }
 
     /// A network of strips from elsewhere, one per edge in the order of [`mesh_edges`], in the canonical direction, with the implicits
@@ -185,9 +187,6 @@ impl Network {
             if strip.order() != order || strip.contact() != contact {
                 return bad("its order differs from that of the first strip");
             }
-            if strip.is_displaced() {
-                return bad("displaced bases belong to creases, which are made from a mesh only");
-            }
             let [a, b] = e.vertices.map(|v| v as usize);
             if strip.ends() != [mesh.positions[a], mesh.positions[b]] {
                 return bad("its ends are not those of its edge");
@@ -196,7 +195,7 @@ impl Network {
                 return bad("its normals are not the gradients of the implicits");
             }
         }
-        Ok(Self { order, contact, implicits, strips, edges })
+        Ok(Self { order, contact, implicits, strips: Arc::new(strips), edges })
     }
 
     /// The order `n`.

@@ -182,7 +182,7 @@ impl BubblePatch {
         for half in (0..self.halves()).map(|h| self.half(h)) {
             for k in 0..n + 1 {
                 let mut q: Polynomial = [0.0; LENGTH];
-                let mut add = |p: &Polynomial, c: f64| (0..LENGTH).for_each(|i| q[i] += c * p[i]);
+                let mut add = |p: &Polynomial, c: f64| (0..2 * n + 2).for_each(|i| q[i] += c * p[i]);
                 for i in 0..n + 1 {
                     let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
                     if self.count == 4 {
@@ -194,8 +194,8 @@ impl BubblePatch {
                         let choose = binomial(k, l);
                         let start = self.corner_derivative(half.from, half.inward, k - l, i);
                         let end = self.corner_derivative(half.to, half.inward, k - l, i);
-                        add(&hermite.phi(l, 0, i), choose * start);
-                        add(&hermite.phi(l, 1, i), choose * sign * end);
+                        add(&hermite.phi[l][0][i], choose * start);
+                        add(&hermite.phi[l][1][i], choose * sign * end);
                     }
                 }
                 twists.extend_from_slice(&q[..2 * n + 2]);
@@ -767,7 +767,7 @@ mod tests {
             [[-0.2, -0.3, 1.0], [0.3, -0.2, 0.9], [0.2, 0.25, 1.1], [-0.1, 0.2, 1.0], [0.0, 0.4, 0.9]];
         let faces = vec![Face::Quad([0, 1, 2, 3]), Face::Triangle([3, 2, 4])];
         let [positions, normals] = [positions, normals].map(|x| x.map(DVec3::from_array).to_vec());
-        let mesh = PolyMesh { positions, normals, faces, creases: Vec::new() };
+        let mesh = PolyMesh { positions, normals, faces };
         for order in 0..3 {
             for pairing in [Pairing::Mean, Pairing::Single([1, 2, 0])] {
                 let s = bubble(&mesh, &BubbleOptions { order, pairing, ..Default::default() }).unwrap();

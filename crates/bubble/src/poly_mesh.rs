@@ -22,13 +22,6 @@ impl Face {
             Self::Quad(v) => v,
         }
     }
-
-    pub(crate) fn vertices_mut(&mut self) -> &mut [u32] {
-        match self {
-            Self::Triangle(v) => v,
-            Self::Quad(v) => v,
-        }
-    }
 }
 
 /// Triangles and quads over shared vertices, with one normal per vertex.
@@ -40,8 +33,6 @@ pub struct PolyMesh {
     pub normals: Vec<DVec3>,
     /// The faces.
     pub faces: Vec<Face>,
-    /// Edges, as pairs of vertices, across which the surface may have an edge too: it is only G⁰ there.
-    pub creases: Vec<[u32; 2]>,
 }
 
 impl PolyMesh {
@@ -57,7 +48,6 @@ impl PolyMesh {
             positions: mesh.positions.clone(),
             normals: normals.to_vec(),
             faces: mesh.faces.iter().map(|&f| Face::Triangle(f)).collect(),
-            creases: Vec::new(),
         })
     }
 
@@ -91,11 +81,6 @@ impl PolyMesh {
                 if !(n.length_squared() > 0.0 && n.length_squared().is_finite()) {
                     return Err(BubbleError::Normal { vertex: vertex as usize, length: n.length() });
                 }
-            }
-        }
-        for (crease, edge) in self.creases.iter().enumerate() {
-            if edge.iter().any(|&v| v as usize >= vertices) {
-                return Err(BubbleError::Crease { crease, edge: *edge });
             }
         }
         Ok(())

@@ -51,16 +51,6 @@ pub enum BubbleWarning {
         /// The first one.
         first: [u32; 2],
     },
-    /// Vertices where the implicits of a crease are too nearly tangent to intersect.
-    #[error(
-        "{count} ends of creases are too smooth to be creased (the first is at vertex {first}); the crease fades there"
-    )]
-    SmoothCrease {
-        /// Number of crease ends.
-        count: usize,
-        /// The first vertex.
-        first: u32,
-    },
 }
 
 /// Measurements of a bubble surface.
@@ -74,8 +64,6 @@ pub struct BubbleReport {
     pub quads: usize,
     /// Number of strips.
     pub strips: usize,
-    /// Number of strips along creases.
-    pub creases: usize,
     /// Number of strips on the boundary.
     pub boundary: usize,
     /// Smallest cosine between gradient and interpolated normal over all strips: the denominator of every cross derivative. `None` for order 0.
@@ -108,11 +96,7 @@ pub(crate) fn weigh(strip: &Strip) -> [(f64, f64); 3] {
         let p = strip.curve(t);
         let mut values = [1.0, n.length() / longest, p[1].length() / edge];
         if strip.order() > 0 {
-            let [x, y, z] = match strip.order() {
-                1 => first_tensor::<1>(strip, t),
-                2 => first_tensor::<2>(strip, t),
-                _ => first_tensor::<3>(strip, t),
-            };
+            let [x, y, z] = gradient(strip, t);
             let g = DVec3::new(x, y, z);
             values[0] = g.dot(n) / (g.length() * n.length());
         }
@@ -126,7 +110,7 @@ pub(crate) fn weigh(strip: &Strip) -> [(f64, f64); 3] {
 }
 
 /// The gradient of a strip; it does not depend on the levels above.
-fn first_tensor<const N: usize>(strip: &Strip, t: f64) -> [f64; 3] {
+fn gradient(strip: &Strip, t: f64) -> [f64; 3] {
     let psi = cross::tensors::<1, 2>(strip, t);
     [psi[0][0][0], psi[0][1][0], psi[0][2][0]]
 }
@@ -170,10 +154,22 @@ pub(crate) fn weigh_all(
     Ok((worst, warnings.collect()))
 }
 
-/// Smallest regularity and smallest cosine between surface normal and interpolated normal at sample points inside.
+/// Smallest regularity and smallest cosine between surface normal and interpolated normal at sample points inside and at the corners,
+/// where a face that is seen from behind along the normal folds first.
 pub(crate) fn regularity(patch: &BubblePatch) -> [f64; 2] {
-    const TRIANGLE: [[f64; 2]; 4] = [[1.0 / 3.0, 1.0 / 3.0], [0.45, 0.1], [0.45, 0.45], [0.1, 0.45]];
-    const QUAD: [[f64; 2]; 5] = [[0.5, 0.5], [0.15, 0.15], [0.85, 0.15], [0.85, 0.85], [0.15, 0.85]];
+    const TRIANGLE: [[f64; 2]; 7] =
+        [[1.0 / 3.0, 1.0 / 3.0], [0.45, 0.1], [0.45, 0.45], [0.1, 0.45], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    const QUAD: [[f64; 2]; 9] = [
+        [0.5, 0.5],
+        [0.15, 0.15],
+        [0.85, 0.15],
+        [0.85, 0.85],
+        [0.15, 0.85],
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [1.0, 1.0],
+        [0.0, 1.0],
+    ];
     let samples: &[[f64; 2]] = if patch.count == 3 { &TRIANGLE } else { &QUAD };
     let mut worst = [f64::INFINITY; 2];
     for &[u, v] in samples {

@@ -35,8 +35,6 @@ pub struct Strip {
     normals: [DVec3; 2],
     /// Level 0 is `h̃`, level `k` the `components(k)` entries of `ψ_k`, all entries of one coefficient together.
     coefficients: Vec<f64>,
-    /// The base curve less the straight edge, three entries; only along creases.
-    displacement: Option<Vec<f64>>,
 }
 
 /// What a strip copies at one end: Taylor coefficients in the parameter that grows from that end (`s = 1 − t` at the second).
@@ -47,8 +45,6 @@ pub struct EndTaylor {
     /// For every degree `k = 1..=n` the coefficients of `z^β`, `|β| = k` (by falling exponent of x, then of y), each of orders 0 to
     /// `2n − k`: `tensors[k − 1][β][order]`.
     pub tensors: Vec<Vec<Vec<f64>>>,
-    /// The base curve less the straight edge, orders 0 to `2n`; empty for a straight base.
-    pub displacement: Vec<DVec3>,
 }
 
 impl Strip {
@@ -77,12 +73,7 @@ impl Strip {
                 && d.tensors.iter().zip(1..).all(|(entries, k)| {
                     entries.len() == components(k) && entries.iter().all(|e| e.len() == counts.per_end(k))
                 });
-            let displaced = d.displacement.is_empty() || d.displacement.len() == contact + 1;
-            if !heights
-                || !tensors
-                || !displaced
-                || d.displacement.is_empty() != data[0].displacement.is_empty()
-            {
+            if !heights || !tensors {
                 return bad("its Taylor coefficients have the wrong counts");
             }
         }
@@ -95,19 +86,10 @@ impl Strip {
                 newton(a, b, &mut coefficients[first + entry..], components(k));
             }
         }
-        let displacement = (!data[0].displacement.is_empty()).then(|| {
-            let mut out = vec![0.0; 6 * (contact + 1)];
-            for axis in 0..3 {
-                let [a, b] =
-                    [0, 1].map(|end| data[end].displacement.iter().map(|d| d[axis]).collect::<Vec<_>>());
-                newton(&a, &b, &mut out[axis..], 3);
-            }
-            out
-        });
-        Self::checked(Self { order, contact, ends, normals, coefficients, displacement })
+        Self::checked(Self { order, contact, ends, normals, coefficients })
     }
 
-    /// The strip between two vertices with their implicits, without a displacement.
+    /// The strip between two vertices with their implicits.
     pub(crate) fn between(
         counts: Counts,
         ends: [DVec3; 2],
@@ -138,7 +120,7 @@ impl Strip {
             heights[end] =
                 end_taylor::<L>(counts.order, implicits[end], &base, n, m - n, &mut tensors[end], scratch);
         }
-        Self::from_series(counts, ends, normals, heights, &tensors, None)
+        Self::from_series(counts, ends, normals, heights, &tensors)
     }
 
     /// From series in the parameters of the ends.
@@ -148,7 +130,6 @@ impl Strip {
         normals: [DVec3; 2],
         heights: [Series<L>; 2],
         tensors: &[[[Series<L>; MOST]; MAX_ORDER]; 2],
-        displacement: Option<Vec<f64>>,
     ) -> Self {
         let mut coefficients = vec![0.0; counts.total()];
         let m = counts.contact + 1;
@@ -160,13 +141,12 @@ impl Strip {
                 newton(a, b, &mut coefficients[first + entry..], components(k));
             }
         }
-        Self { order: counts.order, contact: counts.contact, ends, normals, coefficients, displacement }
+        Self { order: counts.order, contact: counts.contact, ends, normals, coefficients }
     }
 
     fn checked(self) -> Result<Self, BubbleError> {
-        let finite =
-            self.coefficients.iter().chain(self.displacement.iter().flatten()).all(|c| c.is_finite())
-                && self.ends.iter().chain(&self.normals).all(|p| p.is_finite());
+        let finite = self.coefficients.iter().all(|c| c.is_finite())
+            && self.ends.iter().chain(&self.normals).all(|p| p.is_finite());
         if finite { Ok(self) } else { Err(BubbleError::Strip { strip: 0, reason: "a number is not finite" }) }
     }
 
@@ -192,11 +172,7 @@ impl Strip {
 
     /// Whether every number of it is finite.
     pub(crate) fn finite(&self) -> bool {
-        self.coefficients.iter().chain(self.displacement.iter().flatten()).all(|c| c.is_finite())
-    }
-
-    pub(crate) fn is_displaced(&self) -> bool {
-        self.displacement.is_some()
+        self.coefficients.iter().all(|c| c.is_finite())
     }
 
     /// The Newton coefficients of level `k`, `components(k)` entries each.
@@ -204,11 +180,6 @@ impl Strip {
     pub(crate) fn level(&self, k: usize) -> &[f64] {
         let counts = Counts { order: self.order, contact: self.contact };
         &self.coefficients[counts.offset(k)..counts.offset(k + 1)]
-    }
-
-    /// The Newton coefficients of the base curve less the straight edge, along creases.
-    pub(crate) fn displacement(&self) -> Option<&[f64]> {
-        self.displacement.as_deref()
     }
 
     /// Bernstein coefficients of `h̃`, of degree `2 contact + 1` (`4n + 1`).
@@ -256,11 +227,6 @@ impl Strip {
                 };
                 out.tensors.push((0..width).map(entry).collect());
             }
-            if let Some(d) = &self.displacement {
-                let d = horner::<9, 3>(d, t);
-                out.displacement =
-                    (0..self.contact + 1).map(|i| DVec3::new(d[0][i], d[1][i], d[2][i]) * sign(i)).collect();
-            }
         }
         out
     }
@@ -278,7 +244,7 @@ impl Strip {
         let [h] = horner::<L, 1>(self.level(0), t);
         let (start, edge) = (self.ends[0] * (1.0 - t) + self.ends[1] * t, self.ends[1] - self.ends[0]);
         let (normal, delta) = (self.normal(t), self.normals[1] - self.normals[0]);
-        let mut p: [Series<L>; 3] = std::array::from_fn(|axis| {
+        let p: [Series<L>; 3] = std::array::from_fn(|axis| {
             let (n, d) = (normal[axis], delta[axis]);
             let mut out: Series<L> =
                 std::array::from_fn(|k| h[k] * n + if k > 0 { h[k - 1] * d } else { 0.0 });
@@ -288,14 +254,6 @@ impl Strip {
             }
             out
         });
-        if let Some(c) = &self.displacement {
-            let d = horner::<L, 3>(c, t);
-            for axis in 0..3 {
-                for k in 0..L {
-                    p[axis][k] += d[axis][k];
-                }
-            }
-        }
         p
     }
 
@@ -314,22 +272,18 @@ struct RawStrip {
     ends: [DVec3; 2],
     normals: [DVec3; 2],
     coefficients: Vec<f64>,
-    displacement: Option<Vec<f64>>,
 }
 
 impl TryFrom<RawStrip> for Strip {
     type Error = BubbleError;
 
     fn try_from(raw: RawStrip) -> Result<Self, BubbleError> {
-        let RawStrip { order, contact, ends, normals, coefficients, displacement } = raw;
+        let RawStrip { order, contact, ends, normals, coefficients } = raw;
         let counts = Counts { order, contact };
-        if !counts.valid()
-            || coefficients.len() != counts.total()
-            || displacement.as_ref().is_some_and(|d| d.len() != 6 * (contact + 1))
-        {
+        if !counts.valid() || coefficients.len() != counts.total() {
             return Err(BubbleError::Strip { strip: 0, reason: "its coefficients have the wrong counts" });
         }
-        Self { order, contact, ends, normals, coefficients, displacement }.checked()
+        Self { order, contact, ends, normals, coefficients }.checked()
     }
 }
 

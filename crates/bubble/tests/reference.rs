@@ -39,7 +39,7 @@ fn cube() -> (PolyMesh, Vec<Implicit>) {
     let h = DMat3::from_diagonal(DVec3::splat(1.0 / 3f64.sqrt()));
     let implicits = normals.iter().map(|&n| Implicit::quadric(n, h)).collect();
     let faces = faces.into_iter().map(Face::Triangle).collect();
-    (PolyMesh { positions, normals, faces, creases: Vec::new() }, implicits)
+    (PolyMesh { positions, normals, faces }, implicits)
 }
 
 #[track_caller]
@@ -140,7 +140,7 @@ fn skew_tetrahedron_with_fitted_implicits() {
         vec![DVec3::ZERO, DVec3::new(2.0, 0.1, 0.2), DVec3::new(0.3, 1.8, -0.1), DVec3::new(0.6, 0.5, 1.7)];
     let normals: Vec<DVec3> = positions.iter().map(|&p| p - DVec3::new(0.7, 0.6, 0.4)).collect();
     let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map(Face::Triangle).to_vec();
-    let mesh = PolyMesh { positions, normals, faces, creases: Vec::new() };
+    let mesh = PolyMesh { positions, normals, faces };
     let wanted = [
         (1, [0.9505645390862319, 0.8066981330289332, 0.4081004628688837]),
         (2, [1.221152181406769, 1.05883873225459, 0.4954641725064132]),

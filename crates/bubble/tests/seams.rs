@@ -126,7 +126,6 @@ fn scaling_and_planes() {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 2.0, 0.0), DVec3::Y],
             normals: vec![DVec3::Z; 4],
             faces: vec![Face::Triangle([0, 1, 2]), Face::Triangle([0, 2, 3])],
-            creases: Vec::new(),
         };
         for patch in bubble(&flat, &options).unwrap().patches() {
             assert_eq!(patch.height(DVec2::new(0.2, 0.5)).p, 0.0);

@@ -1,5 +1,5 @@
 //! Jumps across seams, measured from the patches alone.
-#![allow(dead_code, reason = "every user takes what it needs")]
+#![allow(dead_code, unreachable_pub, reason = "every user takes what it needs")]
 
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
@@ -67,7 +67,11 @@ pub fn jumps(surface: &BubbleSurface, diagonal: f64, ts: &[f64]) -> Jumps {
                     patch.jet(at)
                 };
                 let (a, b) = (jet(seam.a, t), jet(seam.b, seam.opposite(t)));
-                let ((na, sa), (nb, sb)) = (shape(&a), shape(&b));
+                let ((na, sa), (mut nb, mut sb)) = (shape(&a), shape(&b));
+                // A patch that folds over turns its normal.
+                if na.dot(nb) < 0.0 {
+                    (nb, sb) = (-nb, sb * -1.0);
+                }
                 let curvature = frobenius(&sa).max(frobenius(&sb)).max(1.0 / diagonal);
                 worst.max(Jumps {
                     position: a.p.distance(b.p) / diagonal,
