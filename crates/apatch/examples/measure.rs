@@ -112,32 +112,37 @@ fn measure(name: &str, mesh: &TriMesh) {
 
 /// Largest relative jumps of `F` and its gradient across walls shared by two cells, and the number of walls.
 fn wall_jumps(surface: &ApatchSurface) -> (f64, f64, usize) {
-    let mut walls: Vec<([[u64; 3]; 3], Cell, [DVec3; 3])> = Vec::new();
+    // A wall by its corners in one order, with their places in the cell.
+    let mut walls: Vec<([[u64; 3]; 3], Cell, [usize; 3])> = Vec::new();
     for cell in surface.cells() {
         let Some(v) = surface.cell_vertices(cell) else { continue };
         for skip in 0..4 {
-            let w = [(skip + 1) % 4, (skip + 2) % 4, (skip + 3) % 4].map(|i| v[i]);
-            let mut key = w.map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
-            key.sort_unstable();
-            walls.push((key, cell, w));
+            let mut corners = [1, 2, 3]
+                .map(|i| (skip + i) % 4)
+                .map(|i| ((v[i] + DVec3::ZERO).to_array().map(f64::to_bits), i));
+            corners.sort_unstable();
+            walls.push((corners.map(|c| c.0), cell, corners.map(|c| c.1)));
         }
     }
     walls.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.cmp(&b.1)));
     let (mut value, mut gradient, mut count) = (0.0_f64, 0.0_f64, 0);
     for pair in walls.windows(2).filter(|p| p[0].0 == p[1].0) {
         count += 1;
-        let c = pair[0].2;
+        let Some(v) = surface.cell_vertices(pair[0].1) else { continue };
+        let c = pair[0].2.map(|i| v[i]);
         let size = c[0].distance(c[1]).max(c[0].distance(c[2])).max(c[1].distance(c[2]));
         let (mut scale, mut worst) = (0.0_f64, [0.0_f64; 2]);
         for i in 0..=5 {
             for j in 0..=5 - i {
                 let (x, y) = (f64::from(i) / 5.0, f64::from(j) / 5.0);
-                let p = c[0] * (1.0 - x - y) + c[1] * x + c[2] * y;
-                let at = |cell: Cell| {
-                    let barycentric = surface.barycentric(cell, p)?;
-                    surface.value(Location { cell, barycentric })
+                let at = |(_, cell, places): &([[u64; 3]; 3], Cell, [usize; 3])| {
+                    let mut barycentric = [0.0; 4];
+                    for (place, w) in places.iter().zip([1.0 - x - y, x, y]) {
+                        barycentric[*place] = w;
+                    }
+                    surface.value(Location { cell: *cell, barycentric })
                 };
-                let (Some(f), Some(g)) = (at(pair[0].1), at(pair[1].1)) else { continue };
+                let (Some(f), Some(g)) = (at(&pair[0]), at(&pair[1])) else { continue };
                 scale = scale.max(f.1.length());
                 worst = [worst[0].max((f.0 - g.0).abs()), worst[1].max(f.1.distance(g.1))];
             }

@@ -229,3 +229,65 @@ impl ApatchSurface {
         Ok(Surface::new(patches, seams)?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::coefficients::{EDGE, alpha};
+    use crate::edge::EdgeSide;
+    use crate::{ApatchOptions, apatch};
+    use suture_mesh::shapes;
+
+    /// Erratum 1: the coefficient `kju` as printed takes `kki` for `kkj`. The walls show it; regular solids would not.
+    #[test]
+    fn the_printed_coefficient_of_step_4_is_not_c1() {
+        let mut mesh = shapes::sphere(2);
+        for p in &mut mesh.positions {
+            *p *= 1.0 + 0.12 * (3.0 * p.x).sin() * (2.0 * p.y + p.z).cos();
+        }
+        let normals = suture_mesh::vertex_normals_area_weighted(&mesh);
+        let surface = apatch(&mesh, &normals, &ApatchOptions::default()).unwrap();
+        let jump = |printed: bool| {
+            let mut worst = 0.0_f64;
+            for (e, form) in surface.edges.iter().enumerate() {
+                let (h, Some(o)) = (surface.halves[e], surface.topology.opposite(surface.halves[e])) else {
+                    continue;
+                };
+                let [Some(f), Some(g)] =
+                    [h, o].map(|h| surface.faces[surface.topology.face(h) as usize].clone())
+                else {
+                    continue;
+                };
+                for s in 0..2 {
+                    let (Some(mut a), Some(b), Some(_)) = (f.sides[s], g.sides[s], form.sides[s]) else {
+                        continue;
+                    };
+                    let k = opposite_vertex(h);
+                    if printed {
+                        // The edge is "kj" of the paper: its slopes are those towards the third vertex "i" by mistake.
+                        let face = surface.topology.face(h) as usize;
+                        let gradient = normals[mesh.faces[face][EDGE[k][1]] as usize];
+                        let [p, q] = EDGE[k].map(|v| f.p[v]);
+                        let w = alpha(a.apex, p, q);
+                        let right = (p - q).dot(gradient) / 3.0;
+                        let wrong = (f.p[k] - q).dot(gradient) / 3.0;
+                        a.m[k] += 0.5 * (1.0 - w) * (wrong - right);
+                    }
+                    let edge = EdgeSide::new(form.p, (&a, k), (&b, opposite_vertex(o)));
+                    for (i, j) in [(1, 2), (2, 1), (1, 1)] {
+                        let [x, y] = [f64::from(i) / 4.0, f64::from(j) / 4.0];
+                        let t = 1.0 - x - y;
+                        let mut q = [0.0, 0.0, 0.0, t];
+                        (q[EDGE[k][0]], q[EDGE[k][1]]) = (x, y);
+                        let (_, n) = a.value(&f.base, q);
+                        let (_, m) = edge.value(form.e, [0.0, x, y, t]);
+                        worst = worst.max(n.distance(m) / n.length());
+                    }
+                }
+            }
+            worst
+        };
+        assert!(jump(false) < 1e-11, "{:e}", jump(false));
+        assert!(jump(true) > 1e-2, "{:e}", jump(true));
+    }
+}

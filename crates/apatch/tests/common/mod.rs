@@ -33,7 +33,7 @@ pub(crate) fn octahedron() -> TriMesh {
     TriMesh::new(positions, faces)
 }
 
-/// Largest jumps of `F` and its gradient across walls, relative to the largest gradient (times the largest edge for values).
+/// Largest jumps of `F` and its gradient across walls.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Jumps {
     pub(crate) value: f64,
@@ -41,48 +41,47 @@ pub(crate) struct Jumps {
     pub(crate) walls: usize,
 }
 
-/// Compares all pairs of cells that share a wall: three vertices at the same place.
+/// Largest relative jumps of `F` and its gradient across walls shared by two cells, and the number of walls.
 pub(crate) fn wall_jumps(surface: &ApatchSurface) -> Jumps {
-    let cells = surface.cells();
-    let mut walls: Vec<([[u64; 3]; 3], Cell, [DVec3; 3])> = Vec::new();
-    for &cell in &cells {
-        let v = surface.cell_vertices(cell).unwrap();
+    // A wall by its corners in one order, with their places in the cell.
+    let mut walls: Vec<([[u64; 3]; 3], Cell, [usize; 3])> = Vec::new();
+    for cell in surface.cells() {
+        let Some(v) = surface.cell_vertices(cell) else { continue };
         for skip in 0..4 {
-            let w: Vec<DVec3> = (0..4).filter(|&i| i != skip).map(|i| v[i]).collect();
-            let mut key = [0, 1, 2].map(|i| (w[i] + DVec3::ZERO).to_array().map(f64::to_bits));
-            key.sort_unstable();
-            walls.push((key, cell, [w[0], w[1], w[2]]));
+            let mut corners = [1, 2, 3]
+                .map(|i| (skip + i) % 4)
+                .map(|i| ((v[i] + DVec3::ZERO).to_array().map(f64::to_bits), i));
+            corners.sort_unstable();
+            walls.push((corners.map(|c| c.0), cell, corners.map(|c| c.1)));
         }
     }
     walls.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut jumps = Jumps::default();
+    let (mut value, mut gradient, mut count) = (0.0_f64, 0.0_f64, 0);
     for pair in walls.windows(2).filter(|p| p[0].0 == p[1].0) {
-        jumps.walls += 1;
-        let (a, b) = (pair[0].1, pair[1].1);
-        let corners = pair[0].2;
-        let size = corners[0].distance(corners[1]).max(corners[0].distance(corners[2]));
-        let n = 6;
-        let mut samples = Vec::new();
-        let mut scale = 0.0_f64;
-        for i in 0..=n {
-            for j in 0..=n - i {
-                let (x, y) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
-                let p = corners[0] * (1.0 - x - y) + corners[1] * x + corners[2] * y;
-                let at = |cell: Cell| {
-                    let barycentric = surface.barycentric(cell, p).unwrap();
-                    surface.value(Location { cell, barycentric }).unwrap()
+        count += 1;
+        let Some(v) = surface.cell_vertices(pair[0].1) else { continue };
+        let c = pair[0].2.map(|i| v[i]);
+        let size = c[0].distance(c[1]).max(c[0].distance(c[2])).max(c[1].distance(c[2]));
+        let (mut scale, mut worst) = (0.0_f64, [0.0_f64; 2]);
+        for i in 0..=5 {
+            for j in 0..=5 - i {
+                let (x, y) = (f64::from(i) / 5.0, f64::from(j) / 5.0);
+                let at = |(_, cell, places): &([[u64; 3]; 3], Cell, [usize; 3])| {
+                    let mut barycentric = [0.0; 4];
+                    for (place, w) in places.iter().zip([1.0 - x - y, x, y]) {
+                        barycentric[*place] = w;
+                    }
+                    surface.value(Location { cell: *cell, barycentric })
                 };
-                let (f, g) = (at(a), at(b));
+                let (Some(f), Some(g)) = (at(&pair[0]), at(&pair[1])) else { continue };
                 scale = scale.max(f.1.length());
-                samples.push((f.0 - g.0, f.1 - g.1));
+                worst = [worst[0].max((f.0 - g.0).abs()), worst[1].max(f.1.distance(g.1))];
             }
         }
-        for (f, g) in samples {
-            jumps.value = jumps.value.max(f.abs() / (scale * size));
-            jumps.gradient = jumps.gradient.max(g.length() / scale);
-        }
+        value = value.max(worst[0] / (scale * size));
+        gradient = gradient.max(worst[1] / scale);
     }
-    jumps
+    Jumps { value, gradient, walls: count }
 }
 
 pub(crate) fn sides() -> [Side; 2] {

@@ -6,11 +6,13 @@ use glam::DVec3;
 
 use super::weighted::{angle_weighted, named};
 use super::{EstimateNormals, NormalsError, check, ring};
-use crate::measure::unit;
+use crate::measure::{cross, longest_edge, positive, unit};
 use crate::{Topology, TriMesh};
 
 /// Normals of the limit surface of Loop subdivision of the mesh, the default for smooth surfaces through its vertices. Where the limit
-/// tangents are parallel, or point to the other side than the faces, the mean of the face normals weighted by angle takes their place.
+/// tangents are parallel, or some face at the vertex turns away from them by more than [`LoopLimit::LARGEST_ANGLE`], the mean of the face
+/// normals weighted by angle takes their place; where faces turn away from that as well, the direction that has the largest angle to
+/// any of them as small as it can be.
 ///
 /// # References
 /// C. Loop, *Smooth subdivision surfaces based on triangles*, 1987; at boundaries H. Hoppe et al., *Piecewise smooth surface
@@ -18,16 +20,43 @@ use crate::{Topology, TriMesh};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LoopLimit;
 
+impl LoopLimit {
+    /// Largest angle between a limit normal and the faces around its vertex, in degrees. Beyond it the faces hardly see the surface
+    /// from their own side, and methods that need them to would fail.
+    pub const LARGEST_ANGLE: f64 = 75.0;
+}
+
 impl EstimateNormals for LoopLimit {
     fn estimate(&self, mesh: &TriMesh, topology: &Topology) -> Result<Vec<DVec3>, NormalsError> {
         check(mesh, topology)?;
         let normal = |v: u32| {
             let mean = angle_weighted(mesh, topology, v)?;
-            Some(limit(mesh, topology, v).filter(|n| n.dot(mean) > 0.0).unwrap_or(mean))
+            let faces: Vec<DVec3> = topology
+                .outgoing(v)
+                .map(|h| mesh.corners(topology.face(h) as usize))
+                .filter_map(|c| unit(cross(c, positive(longest_edge(c)))))
+                .collect();
+            let least = LoopLimit::LARGEST_ANGLE.to_radians().cos();
+            let sees = |n: &DVec3| n.dot(mean) > 0.0 && faces.iter().all(|f| f.dot(*n) >= least);
+            let best = limit(mesh, topology, v).into_iter().chain([mean]).find(sees);
+            Some(best.or_else(|| visible(mean, &faces)).unwrap_or(mean))
         };
         let normals = (0..mesh.positions.len() as u32).map(|v| normal(v).unwrap_or_default()).collect();
         named(topology, normals)
     }
+}
+
+/// Centre of the smallest cap of directions around the faces, where it is on the side of all of them.
+///
+/// # References
+/// M. Bădoiu, K. Clarkson, *Smaller core-sets for balls*, 2003: steps of 1/i towards the farthest.
+fn visible(mean: DVec3, faces: &[DVec3]) -> Option<DVec3> {
+    let mut centre = mean;
+    for i in 1..=200 {
+        let farthest = faces.iter().copied().min_by(|a, b| a.dot(centre).total_cmp(&b.dot(centre)))?;
+        centre = unit(centre + (farthest - centre) / (i + 1) as f64)?;
+    }
+    faces.iter().all(|f| f.dot(centre) > 0.0).then_some(centre)
 }
 
 fn limit(mesh: &TriMesh, topology: &Topology, v: u32) -> Option<DVec3> {
