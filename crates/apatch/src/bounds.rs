@@ -182,31 +182,29 @@ impl Ord for Ranked {
 /// Both bounds, no further apart than `gap` unless the allowance of cells is used up.
 pub(crate) fn bound_face(form: &FaceForm, side: &FaceSide, gap: f64, limit: usize) -> FaceBound {
     let cells = FaceCells { form, side };
-    let mut attained = f64::NEG_INFINITY;
+    // The sharp value and that of Lemma 2.3, which cells can come down to, at their middles.
+    let (mut attained, mut lemma) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
     let mut heap: BinaryHeap<Ranked> = BinaryHeap::new();
-    let examine = |piece: usize, cell: Triangle, heap: &mut BinaryHeap<Ranked>, attained: &mut f64| {
-        *attained = attained.max(cells.middle(piece, &cell, 0.0).required_sharp(1.0));
-        let required = cells.lower(piece, &cell, 0.0).required(1.0);
-        if required > f64::NEG_INFINITY {
-            heap.push(Ranked { required, piece, cell });
-        }
-    };
+    let mut fresh = cells.start();
     let mut seen = 0;
-    for (piece, cell) in cells.start() {
-        seen += 1;
-        examine(piece, cell, &mut heap, &mut attained);
-    }
     loop {
+        for (piece, cell) in fresh.drain(..) {
+            seen += 1;
+            let middle = cells.middle(piece, &cell, 0.0);
+            attained = attained.max(middle.required_sharp(1.0));
+            lemma = lemma.max(middle.required(1.0));
+            let required = cells.lower(piece, &cell, 0.0).required(1.0);
+            if required > f64::NEG_INFINITY {
+                heap.push(Ranked { required, piece, cell });
+            }
+        }
         let Some(top) = heap.pop() else {
             return FaceBound { attained, proven: attained, cells: seen };
         };
-        if top.required <= attained + gap || seen >= limit || !top.required.is_finite() {
+        if top.required <= lemma + gap || seen >= limit || !top.required.is_finite() {
             return FaceBound { attained, proven: top.required.max(attained), cells: seen };
         }
-        for half in halves(&top.cell) {
-            seen += 1;
-            examine(top.piece, half, &mut heap, &mut attained);
-        }
+        fresh.extend(halves(&top.cell).map(|cell| (top.piece, cell)));
     }
 }
 

@@ -109,6 +109,12 @@ struct Weight {
     verdict: Option<Verdict>,
 }
 
+/// `F` on every face that is not plane, with what its weights came to.
+type Faces = (Vec<Option<FaceForm>>, Vec<[Weight; 2]>);
+
+/// What is known of an edge on one side, and what it asks of its faces.
+type Judged = (Verdict, Option<Raise>);
+
 struct Build<'a> {
     mesh: TriMesh,
     topology: Topology,
@@ -119,7 +125,7 @@ struct Build<'a> {
 
 impl Build<'_> {
     /// `F` on all faces that are not plane, their weights above their bounds.
-    fn faces(&self) -> Result<(Vec<Option<FaceForm>>, Vec<[Weight; 2]>), ApatchError> {
+    fn faces(&self) -> Result<Faces, ApatchError> {
         let all: Vec<(Option<FaceForm>, [Weight; 2])> =
             (0..self.mesh.faces.len()).into_par_iter().map(|f| self.face(f)).collect::<Result<_, _>>()?;
         Ok(all.into_iter().unzip())
@@ -227,8 +233,7 @@ impl Build<'_> {
         let mut weighted = vec![false; edges.len()];
         let mut rounds = 0;
         loop {
-            let judged: Vec<[Option<(Verdict, Option<Raise>)>; 2]> =
-                dirty.par_iter().map(|&e| self.judge(&edges[e])).collect();
+            let judged: Vec<[Option<Judged>; 2]> = dirty.par_iter().map(|&e| self.judge(&edges[e])).collect();
             // The largest demand on every face and side; in the order of edges, though a maximum needs none.
             let mut demand: Vec<[f64; 2]> = vec![[0.0; 2]; forms.len()];
             let mut raised = Vec::new();
@@ -303,7 +308,7 @@ impl Build<'_> {
         })
     }
 
-    fn judge(&self, edge: &EdgeForm) -> [Option<(Verdict, Option<Raise>)>; 2] {
+    fn judge(&self, edge: &EdgeForm) -> [Option<Judged>; 2] {
         [0, 1].map(|s| {
             let side = edge.sides[s].as_ref()?;
             let verdict = certify_edge(edge, side, self.options.cells);
@@ -315,12 +320,12 @@ impl Build<'_> {
             let height = largest(&side.b1[0]).max(largest(&side.b1[1]));
             let margin = self.options.margin * height;
             // Nothing to be raised where samples are content, or where no finite raise helps.
-            let raise = (need + margin > 0.0 && need.is_finite()).then(|| Raise { by: need + margin, ratio });
+            let raise =
+                (need + margin > 0.0 && need.is_finite()).then_some(Raise { by: need + margin, ratio });
             Some((verdict, raise.filter(|r| r.by.is_finite())))
         })
     }
 
-    #[allow(clippy::too_many_arguments)]
     fn report(
         &self,
         forms: &[Option<FaceForm>],

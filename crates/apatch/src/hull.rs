@@ -192,6 +192,9 @@ impl Hull {
     }
 }
 
+/// Cosine of the largest angle (about 107 degrees) between a normal and a face for which a tetrahedron is built by all means.
+const FARTHEST: f64 = -0.3;
+
 /// The apexes of a face; the corner whose normal stands worst where no direction rises above all tangent planes.
 fn apexes(corners: &Corners, class: FaceClass, choice: u8, options: &ApatchOptions) -> Result<Apexes, usize> {
     let none = Apexes { points: [None; 2], direction: 0, steep: false };
@@ -204,6 +207,8 @@ fn apexes(corners: &Corners, class: FaceClass, choice: u8, options: &ApatchOptio
         [normal, (units[0] + units[1] + units[2]).normalize_or_zero(), cap_centre(normal, units)];
     let c = corners.centroid();
     let mut best: Option<(u8, f64)> = None;
+    // Normals far on the other side are a mistake of the input, not a steep place.
+    let facing = units.iter().all(|g| g.dot(normal) > FARTHEST);
     let order: [u8; 3] = if choice == 0 {
         [0, 1, 2]
     } else if choice == 1 {
@@ -219,8 +224,10 @@ fn apexes(corners: &Corners, class: FaceClass, choice: u8, options: &ApatchOptio
             best = Some((i, f64::INFINITY));
             break;
         }
-        if lift > 1e-3 && rises && best.is_none_or(|b| lift > b.1) {
-            best = Some((i, lift));
+        // Steep ones where nothing else is left; those under which an m_k does not rise last of all.
+        let rank = if rises { lift } else { lift - 1.0 };
+        if lift > 1e-3 && (rises || facing) && best.is_none_or(|b| rank > b.1) {
+            best = Some((i, rank));
         }
     }
     let Some((direction, lift)) = best else {
@@ -236,8 +243,10 @@ fn apexes(corners: &Corners, class: FaceClass, choice: u8, options: &ApatchOptio
     }
     let at = corners.m(c, &corners.h(c));
     for (k, slope) in slopes(corners, c, d * ell).into_iter().enumerate() {
-        let t = -at[k] * ell / slope;
-        (up, down) = (up.max(t), down.min(t));
+        if slope > 0.0 {
+            let t = -at[k] * ell / slope;
+            (up, down) = (up.max(t), down.min(t));
+        }
     }
     let [above, below] = class.sides();
     let points = [above.then(|| c + d * up), below.then(|| c + d * down)];

@@ -35,7 +35,7 @@ impl FacePatch {
     }
 }
 
-/// The corners of the domain of a face patch, and for each corner of the face the number of its edge that starts there.
+/// The corners of the domain of a face patch.
 fn polygon(pinches: &[Option<f64>; 3]) -> Vec<DVec2> {
     let corners = [DVec2::ZERO, DVec2::X, DVec2::Y];
     let mut all = Vec::with_capacity(6);
@@ -76,7 +76,7 @@ impl Patch for FacePatch {
         );
         let l2 = plane(crate::cubic::dot(side.r, q), side.r, |_, _| 0.0, u, v);
         let root = form.shooting(side, q, base.v).root();
-        let t = implicit([l0, l1, l2, Jet2::constant(side.b)].map(power_row), root.t);
+        let t = implicit([l0, l1, l2, Jet2::constant(side.b)], root.t);
         let [p0, p1, p2] = form.p;
         let foot = Jet2 { p: form.foot(q), du: p1 - p0, dv: p2 - p0, ..Jet2::default() };
         let rise = Jet2 { p: side.apex - foot.p, du: -foot.du, dv: -foot.dv, ..Jet2::default() };
@@ -103,11 +103,6 @@ impl Patch for FacePatch {
 fn plane(p: f64, g: [f64; 3], h: impl Fn([f64; 3], [f64; 3]) -> f64, u: [f64; 3], v: [f64; 3]) -> Jet2<f64> {
     use crate::cubic::dot;
     Jet2 { p, du: dot(g, u), dv: dot(g, v), duu: h(u, u), duv: h(u, v), dvv: h(v, v) }
-}
-
-/// Identity; the Bernstein form is differentiated as it is.
-fn power_row(b: Jet2<f64>) -> Jet2<f64> {
-    b
 }
 
 /// The jet of the root `t` of `Σ B_s B_s³(t) = 0` from those of the coefficients.

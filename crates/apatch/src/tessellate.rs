@@ -83,6 +83,9 @@ struct Walls {
     pinch: Option<usize>,
 }
 
+/// Samples of an edge, which of them is the crossing, and the points between its ends on the left and the right wall.
+type WallPoints = (Vec<f64>, Option<usize>, [Vec<Vertex>; 2]);
+
 impl ApatchSurface {
     /// Triangulates the surface: `n` segments along every edge, `m` across the patches of edges; `n²` triangles per face.
     ///
@@ -153,7 +156,7 @@ impl ApatchSurface {
 
     fn walls(&self, n: usize, corner: &[u32], vertices: &mut Vec<Vertex>) -> Vec<Walls> {
         // Points first, in parallel; numbers afterwards, in order.
-        let points: Vec<(Vec<f64>, Option<usize>, [Vec<Vertex>; 2])> = (0..self.edges.len())
+        let points: Vec<WallPoints> = (0..self.edges.len())
             .into_par_iter()
             .map(|e| {
                 let h = self.halves[e];
