@@ -98,18 +98,29 @@ fn horner<T: Lane, const L: usize, const C: usize>(c: &[f64], t: T, s: T) -> [[T
     let zero = T::splat(0.0);
     let mut out = [[zero; C]; L];
     let (pairs, _) = c.as_chunks::<C>();
-    // Coefficients come in pairs: odd ones belong to the node 1, even ones to 0.
-    let mut i = pairs.len();
-    while i >= 2 {
-        for (row, x) in [(&pairs[i - 1], s), (&pairs[i - 2], t)] {
-            for e in 0..C {
-                for k in (1..L).rev() {
-                    out[k][e] = out[k][e] * x + out[k - 1][e];
+    // Coefficients come in pairs: odd ones belong to the node 1, even ones to 0. Three entries at a time fit into registers.
+    let mut first = 0;
+    while first < C {
+        let width = if C - first < 3 { C - first } else { 3 };
+        let mut acc = [[zero; 3]; L];
+        let mut i = pairs.len();
+        while i >= 2 {
+            for (row, x) in [(&pairs[i - 1], s), (&pairs[i - 2], t)] {
+                for e in 0..width {
+                    for k in (1..L).rev() {
+                        acc[k][e] = acc[k][e] * x + acc[k - 1][e];
+                    }
+                    acc[0][e] = acc[0][e] * x + T::splat(row[first + e]);
                 }
-                out[0][e] = out[0][e] * x + T::splat(row[e]);
+            }
+            i -= 2;
+        }
+        for k in 0..L {
+            for e in 0..width {
+                out[k][first + e] = acc[k][e];
             }
         }
-        i -= 2;
+        first += 3;
     }
     out
 }

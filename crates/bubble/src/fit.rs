@@ -55,11 +55,11 @@ pub struct Fitted {
 impl VertexImplicits for Fitted {
     fn implicits(&self, mesh: &PolyMesh) -> Result<Vec<Implicit>, BubbleError> {
         mesh.check()?;
-        if let Fit::Quadric { lambda } = self.fit {
-            if !(lambda >= 0.0 && lambda.is_finite()) {
-                let range = "finite and not negative";
-                return Err(BubbleError::Option { name: "lambda", value: lambda, range });
-            }
+        if let Fit::Quadric { lambda } = self.fit
+            && !(lambda >= 0.0 && lambda.is_finite())
+        {
+            let range = "finite and not negative";
+            return Err(BubbleError::Option { name: "lambda", value: lambda, range });
         }
         let rings = Edges::of(mesh).rings(mesh.positions.len());
         let fit = self.fit;
