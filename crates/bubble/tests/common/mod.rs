@@ -190,7 +190,7 @@ pub fn torus(nu: u32, nv: u32, triangles: u32) -> PolyMesh {
             mesh.normals.push(n);
             let v = |i: u32, j: u32| i % nu * nv + j % nv;
             let quad = [v(i, j), v(i + 1, j), v(i + 1, j + 1), v(i, j + 1)];
-            if triangles > 0 && (i * nv + j) % triangles == 0 {
+            if triangles > 0 && (i * nv + j).is_multiple_of(triangles) {
                 mesh.faces.push(Face::Triangle([quad[0], quad[1], quad[2]]));
                 mesh.faces.push(Face::Triangle([quad[0], quad[2], quad[3]]));
             } else {
