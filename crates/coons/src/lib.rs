@@ -1,0 +1,2 @@
+//! Fills of gaps between surfaces.
+#![forbid(unsafe_code)]
