@@ -36,6 +36,13 @@ pub enum PatchKind {
     Edge,
     /// A plane face of the mesh, kept as it is.
     Planar,
+    /// A patch that closes a gap or a part of a hole.
+    Fill {
+        /// Number of its sides, 3 or 4.
+        sides: u8,
+    },
+    /// A surface that was given, kept as it is.
+    Given,
 }
 
 /// A parametric patch: the one noun that all methods share.
