@@ -207,6 +207,17 @@ impl BubbleSurface {
         &self.report
     }
 
+    /// The edge of side `k` of face `f`.
+    pub(crate) fn side_edge(&self, f: usize, k: usize) -> usize {
+        self.network.edges.sides[f][k] as usize
+    }
+
+    /// The vertex of corner `k` of face `f`.
+    pub(crate) fn corner(&self, f: usize, k: usize) -> u32 {
+        let side = &self.patches[f].sides[k];
+        self.network.edges.edges[side.strip as usize].vertices[usize::from(side.reversed)]
+    }
+
     /// The surface for tessellation, certificate, export and pictures.
     ///
     /// # Errors

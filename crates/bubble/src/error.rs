@@ -125,6 +125,14 @@ pub enum BubbleError {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A surface point is not finite.
+    #[error(
+        "the surface over face {face} is not finite; its coordinates or normals are too large or too small"
+    )]
+    NotFinitePatch {
+        /// The face.
+        face: usize,
+    },
     /// Patches and seams do not form a surface.
     #[error(transparent)]
     Surface(#[from] suture_surface::SurfaceError),

@@ -1,7 +1,8 @@
 //! Bubble splines: surfaces of order G⁰ to G⁴ over meshes of triangles and quads with normals, one patch per face.
 //!
 //! [`bubble`] is the whole way; its stages can be taken one by one: [`VertexImplicits`] (how the surface bends at the vertices, by
-//! default fitted: [`Fitted`]), [`Network`] (strips along the edges), [`bubble_over`] (patches over strips).
+//! default fitted: [`Fitted`]), [`Network`] (strips along the edges), [`bubble_over`] (patches over strips). [`BubbleSurface::tessellate`]:
+//! a watertight mesh at a fixed resolution.
 //!
 //! ```
 //! use glam::DVec2;
@@ -42,6 +43,7 @@ mod record;
 mod report;
 mod series;
 mod strip;
+mod tessellate;
 
 pub use assemble::{BubbleOptions, BubbleSurface, bubble, bubble_over, bubble_with};
 pub use error::{BubbleError, Measure};
@@ -53,6 +55,7 @@ pub use poly_mesh::{Face, PolyMesh};
 pub use record::{RECORDS, load};
 pub use report::{BubbleReport, BubbleWarning, Extreme};
 pub use strip::{EndTaylor, Strip};
+pub use tessellate::BubbleTessellation;
 
 /// The largest order of smoothness.
 pub const MAX_ORDER: usize = 4;
