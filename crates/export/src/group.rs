@@ -14,13 +14,18 @@ pub(crate) struct Group {
     pub(crate) colour: [u8; 3],
 }
 
-/// All groups, in the order in which they are written. The colours are those of the figures of Wagner, Hormann & Greiner (2003).
-pub(crate) const GROUPS: [Group; 6] = [
+/// All groups, in the order in which they are written. The colours of the first five are those of the figures of Wagner, Hormann &
+/// Greiner (2003).
+pub(crate) const GROUPS: [Group; 10] = [
     Group { name: "trimmed", colour: [72, 118, 200] },
     Group { name: "strip_even", colour: [200, 40, 40] },
     Group { name: "strip_odd", colour: [240, 140, 130] },
     Group { name: "strip_adjacent", colour: [70, 165, 80] },
     Group { name: "nblend", colour: [245, 205, 60] },
+    Group { name: "face", colour: [91, 155, 213] },
+    Group { name: "edge", colour: [232, 163, 61] },
+    Group { name: "planar", colour: [150, 163, 178] },
+    Group { name: "bubble", colour: [63, 167, 150] },
     Group { name: "other", colour: [160, 160, 160] },
 ];
 
@@ -32,7 +37,11 @@ fn group_of(kind: PatchKind) -> usize {
         PatchKind::Strip { odd: true } => 2,
         PatchKind::AdjacentStrip => 3,
         PatchKind::NBlend { .. } => 4,
-        _ => 5,
+        PatchKind::Face => 5,
+        PatchKind::Edge => 6,
+        PatchKind::Planar => 7,
+        PatchKind::Bubble { .. } => 8,
+        _ => 9,
     }
 }
 

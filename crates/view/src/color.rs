@@ -21,7 +21,7 @@ pub(crate) fn encode(color: DVec3) -> [u8; 3] {
     })
 }
 
-/// The colour of a kind of patch, after the figures of Wagner, Hormann and Greiner (2003).
+/// The colour of a kind of patch; those of trimmed B-splines, strips and N-blends after the figures of Wagner, Hormann and Greiner (2003).
 pub(crate) fn of_kind(kind: PatchKind) -> DVec3 {
     linear(match kind {
         PatchKind::Trimmed => 0x4a7fd0,
@@ -29,6 +29,10 @@ pub(crate) fn of_kind(kind: PatchKind) -> DVec3 {
         PatchKind::Strip { odd: true } => 0xf0938a,
         PatchKind::AdjacentStrip => 0x4fae5a,
         PatchKind::NBlend { .. } => 0xf6d13c,
+        PatchKind::Face => 0x5b9bd5,
+        PatchKind::Edge => 0xe8a33d,
+        PatchKind::Planar => 0x96a3b2,
+        PatchKind::Bubble { .. } => 0x3fa796,
         _ => 0xb0b0b0,
     })
 }

@@ -52,7 +52,8 @@ impl Default for ViewOptions {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Shade {
-    /// Colour by kind of patch: trimmed blue, strips red and light red in turn, adjacent strips green, N-blends yellow.
+    /// Colour by kind of patch: trimmed blue, strips red and light red in turn, adjacent strips green, N-blends yellow; A-patches over faces
+    /// light blue, along edges orange, plane faces grey; bubble patches teal.
     Patches,
     /// One neutral colour, lit.
     Lit,
