@@ -146,6 +146,9 @@ pub struct EdgePatch {
 /// Closest to the ends of a lune that derivatives are taken where they have no limit.
 const NEAR_END: f64 = 1.0 / (1u64 << 40) as f64;
 
+/// Below this `u (1 − u)`, roots are found again in units of it.
+const NEAR: f64 = 1e-3;
+
 /// Smallest `u (1 − u)` that second derivatives are divided by: they grow without limit towards the ends (the curvature does not).
 const LEAST_SIGMA: f64 = 1.0 / (1u64 << 30) as f64;
 
@@ -227,10 +230,22 @@ impl Patch for EdgePatch {
             (times(-1.0)(b0.weighted(&s)) + times(3.0)(b1) + times(-3.0)(b2) + b3).weighted(&s2),
         ];
         let sign = side.sign;
-        let tau =
+        let mut tau =
             if sigma > 0.0 { form.shooting(side, xi, y).root().t / sigma } else { -b0.p / (3.0 * b1.p) };
-        let powers = [1.0, tau, tau * tau, tau * tau * tau];
-        let slopes = [0.0, 1.0, 2.0 * tau, 3.0 * tau * tau];
+        let cubes = |t: f64| ([1.0, t, t * t, t * t * t], [0.0, 1.0, 2.0 * t, 3.0 * t * t]);
+        if sigma > 0.0 && sigma < NEAR {
+            // The root is exact relative to 1; divided by σ it has lost digits, which Newton's method restores.
+            for _ in 0..2 {
+                let (powers, slopes) = cubes(tau);
+                let at = |w: [f64; 4]| (0..4).map(|i| w[i] * c[i].p).sum::<f64>();
+                let step = at(powers) / at(slopes);
+                // A larger step would lead to another root.
+                if step.abs() <= 0.1 * tau.abs() {
+                    tau -= step;
+                }
+            }
+        }
+        let (powers, slopes) = cubes(tau);
         let sum = |w: [f64; 4]| (0..4).fold(Jet2::default(), |j: Jet2<f64>, i| j + times(sign * w[i])(c[i]));
         let second = sign * (2.0 * c[2].p + 6.0 * tau * c[3].p);
         let tau = solve(tau, &sum(powers), &sum(slopes), second);
