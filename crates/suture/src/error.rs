@@ -2,6 +2,10 @@
 
 use std::path::PathBuf;
 
+use suture_apatch::ApatchError;
+use suture_bubble::BubbleError;
+use suture_mesh::normals::NormalsError;
+
 /// Why there is no result. [`kind`](Self::kind) is stable, for programs; the message is for people.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -47,6 +51,15 @@ pub enum SutureError {
     /// The B-splines cannot be blended.
     #[error(transparent)]
     Blend(#[from] suture_blend::BlendError),
+    /// The mesh has no normals where they are needed, and none can be estimated.
+    #[error(transparent)]
+    Normals(#[from] suture_mesh::normals::NormalsError),
+    /// The mesh has no A-patches.
+    #[error(transparent)]
+    Apatch(#[from] suture_apatch::ApatchError),
+    /// The mesh has no bubble surface.
+    #[error(transparent)]
+    Bubble(#[from] suture_bubble::BubbleError),
     /// The surface cannot be tessellated.
     #[error(transparent)]
     Tessellate(#[from] suture_tessellate::TessellateError),
@@ -87,6 +100,9 @@ impl SutureError {
             Self::Chart { .. } => "chart",
             Self::Fit { .. } => "fit",
             Self::Blend(_) => "blend",
+            Self::Normals(_) => "normals",
+            Self::Apatch(_) => "apatch",
+            Self::Bubble(_) => "bubble",
             Self::Tessellate(_) => "tessellate",
             Self::Certify(_) => "certify",
             Self::Export(_) => "export",
@@ -97,11 +113,37 @@ impl SutureError {
         }
     }
 
-    /// Where the error is, where that is one thing: a segment or a file.
+    /// Where the error is, where that is one thing: a file, a segment, a face, an edge or a vertex.
     pub fn at(&self) -> Option<String> {
         match self {
             Self::Mesh { path, .. } | Self::File { path, .. } => Some(path.display().to_string()),
             Self::Chart { segment, .. } | Self::Fit { segment, .. } => Some(format!("segment {segment}")),
+            Self::Normals(e) => match e {
+                NormalsError::NotFinite { vertex } | NormalsError::NoNormal { vertex } => {
+                    Some(format!("vertex {vertex}"))
+                }
+                _ => None,
+            },
+            Self::Apatch(e) => match e {
+                ApatchError::NotFinite { vertex } | ApatchError::Normal { vertex, .. } => {
+                    Some(format!("vertex {vertex}"))
+                }
+                ApatchError::DegenerateFace { face, .. }
+                | ApatchError::NormalAgainstFace { face, .. }
+                | ApatchError::NotFinitePatch { face } => Some(format!("face {face}")),
+                _ => None,
+            },
+            Self::Bubble(e) => match e {
+                BubbleError::NotFinite { vertex }
+                | BubbleError::Normal { vertex, .. }
+                | BubbleError::Implicit { vertex, .. } => Some(format!("vertex {vertex}")),
+                BubbleError::VertexIndex { face, .. } | BubbleError::RepeatedVertex { face, .. } => {
+                    Some(format!("face {face}"))
+                }
+                BubbleError::CoincidentVertices { edge: [a, b] }
+                | BubbleError::Degenerate { edge: [a, b], .. } => Some(format!("edge {a} {b}")),
+                _ => None,
+            },
             _ => None,
         }
     }

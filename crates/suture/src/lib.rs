@@ -1,10 +1,11 @@
 //! Sew smooth surfaces over triangle meshes, with a measured certificate of every seam: the facade.
 //!
 //! [`reconstruct()`] turns a closed triangle mesh into a C² surface; every stage it runs is a crate of its own, re-exported
-//! here, and can be swapped ([`Stages`]). [`Report`] is what the command line writes with `--json`.
+//! here, and can be swapped ([`Stages`]). [`sew_apatch`] and [`sew_bubble`] lay one patch over every face of a mesh with normals, open or
+//! closed: C¹ implicit surfaces and G⁰ to G⁴ parametric ones. [`Report`] is what the command line writes with `--json`.
 //!
-//! When not to use it: meshes with a boundary, or with several components (reconstruct them one by one); faceted models whose
-//! edges must stay sharp (the result is C² everywhere, edges become fillets).
+//! When not to use it: faceted models whose edges must stay sharp (every result is smooth everywhere, edges become fillets or bulge);
+//! meshes with a boundary or several components have no reconstruction.
 
 #![forbid(unsafe_code)]
 
@@ -12,12 +13,14 @@ mod error;
 mod reconstruct;
 mod repair;
 pub mod report;
+mod sew;
 mod watch;
 
 pub use error::SutureError;
 pub use reconstruct::{Fairness, ReconstructOptions, Reconstruction, Stages, reconstruct, samples};
 pub use repair::repair_all;
 pub use report::Report;
+pub use sew::{NormalSource, SewOptions, Sewn, sew_apatch, sew_bubble, vertex_normals};
 pub use watch::{Stage, Unwatched, Watch};
 
 /// Loads a surface that was saved as native JSON, with the patches of every method of this program.
@@ -25,12 +28,17 @@ pub use watch::{Stage, Unwatched, Watch};
 /// # Errors
 /// [`SutureError::Export`]: what is malformed, and where.
 pub fn load_surface(bytes: &[u8]) -> Result<suture_surface::Surface, SutureError> {
-    let loaders = suture_blend::RECORDS.map(|kind| (kind, suture_blend::load as suture_export::Loader));
+    let blend = suture_blend::RECORDS.map(|kind| (kind, suture_blend::load as suture_export::Loader));
+    let apatch = suture_apatch::RECORDS.map(|kind| (kind, suture_apatch::load as suture_export::Loader));
+    let bubble = suture_bubble::RECORDS.map(|kind| (kind, suture_bubble::load as suture_export::Loader));
+    let loaders = [&blend[..], &apatch, &bubble].concat();
     Ok(suture_export::read_native(bytes, &loaders)?)
 }
 
+pub use suture_apatch as apatch;
 pub use suture_bernstein as bernstein;
 pub use suture_blend as blend;
+pub use suture_bubble as bubble;
 pub use suture_certify as certify;
 pub use suture_export as export;
 pub use suture_fit as fit;

@@ -7,10 +7,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use suture_certify::{Certificate, Deviation, Stats};
 use suture_mesh::TriMesh;
-use suture_surface::{Continuity, PatchKind};
+use suture_surface::{Continuity, PatchKind, Surface};
 use suture_tessellate::Tessellation;
 
-use crate::{Reconstruction, SutureError};
+use crate::{Reconstruction, Sewn, SutureError};
 
 /// Version of the report's form: raised when a key changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;
@@ -95,6 +95,9 @@ pub struct SurfaceReport {
     pub widths: Option<[f64; 2]>,
     /// Smallest Jacobian of a strip map relative to its largest.
     pub smallest_jacobian: Option<f64>,
+    /// What a method of one patch per face counted and proved, by its own names.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub construction: Option<serde_json::Value>,
 }
 
 /// The certificate of the seams.
@@ -116,6 +119,8 @@ pub struct CertificateReport {
     pub largest_curvature: f64,
     /// Number of seams.
     pub seams: usize,
+    /// Number of boundary edges of patches that no seam names: none if the surface is closed.
+    pub open_edges: usize,
 }
 
 /// Distances between mesh and surface.
@@ -170,7 +175,9 @@ pub struct TessellationReport {
     pub manifold: bool,
     /// Neighbours agree in orientation.
     pub oriented: bool,
-    /// Genus, none if not closed.
+    /// Closed boundary curves.
+    pub boundary_loops: usize,
+    /// Genus of the oriented manifold, none if it is not one.
     pub genus: Option<usize>,
 }
 
@@ -213,10 +220,7 @@ impl Report {
 
     /// Enters everything that a reconstruction knows.
     pub fn describe_reconstruction(&mut self, r: &Reconstruction, diagonal: f64) {
-        let mut patches = BTreeMap::new();
-        for patch in r.blend.surface.patches() {
-            *patches.entry(kind_name(patch.kind()).to_owned()).or_default() += 1;
-        }
+        let patches = kinds(&r.blend.surface);
         let segmentation = &r.segmentation;
         let (charts, corners, arcs) =
             (segmentation.charts.len(), segmentation.corners.len(), segmentation.arcs.len());
@@ -231,6 +235,7 @@ impl Report {
             patches_merged: charts + corners + r.blend.merged_strips,
             widths: Some([low / diagonal, high / diagonal]),
             smallest_jacobian: Some(r.blend.maps.jacobian),
+            construction: None,
         });
         self.fits = r
             .fits
@@ -252,6 +257,21 @@ impl Report {
         self.warnings.extend(r.warnings.iter().cloned());
     }
 
+    /// Enters everything that is known of a surface with one patch per face.
+    pub fn describe_sewn<R: Serialize>(&mut self, sewn: &Sewn<R>) {
+        self.surface = Some(SurfaceReport {
+            patches: kinds(&sewn.surface),
+            patches_merged: sewn.surface.patches().len(),
+            construction: serde_json::to_value(&sewn.report).ok(),
+            ..SurfaceReport::default()
+        });
+        self.describe_certificate(&sewn.certificate);
+        self.describe_deviation(&sewn.deviation);
+        self.describe_tessellation(&sewn.tessellation);
+        self.seconds = sewn.seconds.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
+        self.warnings.extend(sewn.warnings.iter().cloned());
+    }
+
     /// Enters a certificate.
     pub fn describe_certificate(&mut self, c: &Certificate) {
         self.certificate = Some(CertificateReport {
@@ -263,6 +283,7 @@ impl Report {
             regularity: c.regularity,
             largest_curvature: c.largest_curvature,
             seams: c.seams.len(),
+            open_edges: c.open_edges,
         });
     }
 
@@ -293,6 +314,7 @@ impl Report {
             closed: check.closed,
             manifold: check.manifold,
             oriented: check.oriented,
+            boundary_loops: check.boundary_loops.total,
             genus: check.genus,
         });
     }
@@ -303,20 +325,42 @@ impl Report {
             Some(ErrorReport { kind: error.kind().into(), message: error.to_string(), at: error.at() });
     }
 
-    /// Whether everything that was claimed was also measured: the certificate holds its claim and the tessellation is a closed,
-    /// oriented manifold of the input's genus.
+    /// Whether everything that was claimed was also measured: the certificate holds its claim and the tessellation is an oriented
+    /// manifold of the input's genus, with the input's boundaries; closed where there is no input and all edges of patches have seams.
     pub fn holds(&self) -> bool {
-        let certificate = self.certificate.as_ref().is_none_or(|c| c.measured.as_ref() == Some(&c.claimed));
+        let rank = |name: &str| ORDERS.iter().position(|&o| order_name(o) == name);
+        let certificate = self
+            .certificate
+            .as_ref()
+            .is_none_or(|c| c.measured.as_deref().and_then(rank) >= rank(&c.claimed));
         let tessellation = self.tessellation.is_none_or(|t| {
-            t.closed && t.manifold && t.oriented && self.input.as_ref().is_none_or(|i| i.genus == t.genus)
+            let form = match (&self.input, &self.certificate) {
+                (Some(i), _) => t.boundary_loops == i.boundary_loops && t.genus == i.genus,
+                (None, Some(c)) => t.closed == (c.open_edges == 0),
+                (None, None) => t.closed,
+            };
+            form && t.manifold && t.oriented
         });
         certificate && tessellation && self.error.is_none()
     }
 }
 
+/// Patches by kind.
+fn kinds(surface: &Surface) -> BTreeMap<String, usize> {
+    let mut patches = BTreeMap::new();
+    for patch in surface.patches() {
+        *patches.entry(kind_name(patch.kind()).to_owned()).or_default() += 1;
+    }
+    patches
+}
+
 fn distances(s: &Stats) -> DistanceReport {
     DistanceReport { mean: s.mean, rms: s.rms, max: s.max }
 }
+
+/// The orders of continuity, ascending.
+const ORDERS: [Continuity; 5] =
+    [Continuity::C0, Continuity::G1, Continuity::C1, Continuity::G2, Continuity::C2];
 
 /// The report's name of an order of continuity.
 pub fn order_name(order: Continuity) -> &'static str {
@@ -336,6 +380,10 @@ pub fn kind_name(kind: PatchKind) -> &'static str {
         PatchKind::Trimmed => "trimmed",
         PatchKind::Strip { .. } | PatchKind::AdjacentStrip => "strip",
         PatchKind::NBlend { .. } => "nblend",
+        PatchKind::Face => "face",
+        PatchKind::Edge => "edge",
+        PatchKind::Planar => "planar",
+        PatchKind::Bubble { .. } => "bubble",
         _ => "other",
     }
 }

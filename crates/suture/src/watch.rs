@@ -26,7 +26,7 @@ impl Watch for Unwatched {
     }
 }
 
-/// The stages of a reconstruction, in their order.
+/// The stages of all commands, each in the order in which a command runs them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// Adjacency and tests of the mesh.
@@ -37,6 +37,8 @@ pub enum Stage {
     Fit,
     /// Maps, strips and N-blends.
     Blend,
+    /// One patch per face, and along edges.
+    Patches,
     /// One watertight mesh.
     Tessellate,
     /// Jumps at every seam.
@@ -53,6 +55,7 @@ impl Stage {
             Self::Segment => "segment",
             Self::Fit => "fit",
             Self::Blend => "blend",
+            Self::Patches => "patches",
             Self::Tessellate => "tessellate",
             Self::Certify => "certify",
             Self::Deviation => "deviation",

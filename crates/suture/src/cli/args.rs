@@ -25,6 +25,10 @@ pub(crate) struct Args {
 pub(crate) enum Command {
     /// Reconstruct a closed triangle mesh as a C² surface of few patches
     Reconstruct(Box<Reconstruct>),
+    /// Lay a C¹ implicit surface over a mesh with normals: one A-patch per face and edge
+    Apatch(Box<super::apatch::Apatch>),
+    /// Lay a G⁰ to G⁴ surface over a mesh with normals: one bubble patch per face
+    Bubble(Box<super::bubble::Bubble>),
     /// Cut a closed triangle mesh into disc charts and write their labels
     Segment(Segment),
     /// Report every defect of a mesh
@@ -219,7 +223,7 @@ pub(crate) struct Check {
 
 #[derive(ClapArgs, Debug)]
 pub(crate) struct Certify {
-    /// The surface, as written by `reconstruct -o NAME.json`
+    /// The surface, as written by `-o NAME.json` of reconstruct, apatch or bubble
     pub(crate) surface: PathBuf,
     /// Also measure the distance from this mesh
     #[arg(long, value_name = "FILE")]

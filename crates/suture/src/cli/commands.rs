@@ -24,6 +24,8 @@ pub(crate) fn run(args: &Args) -> Result<bool, SutureError> {
     let start = std::time::Instant::now();
     let result = match &args.command {
         Command::Reconstruct(a) => reconstruct_command(a, &args.common, &mut report),
+        Command::Apatch(a) => super::apatch::run(a, &args.common, &mut report),
+        Command::Bubble(a) => super::bubble::run(a, &args.common, &mut report),
         Command::Segment(a) => segment_command(a, &args.common, &mut report),
         Command::Check(a) => check_command(a, &args.common, &mut report),
         Command::Certify(a) => certify_command(a, &args.common, &mut report),
@@ -57,6 +59,8 @@ pub(crate) fn run(args: &Args) -> Result<bool, SutureError> {
 fn name(command: &Command) -> &'static str {
     match command {
         Command::Reconstruct(_) => "reconstruct",
+        Command::Apatch(_) => "apatch",
+        Command::Bubble(_) => "bubble",
         Command::Segment(_) => "segment",
         Command::Check(_) => "check",
         Command::Certify(_) => "certify",
@@ -69,6 +73,8 @@ fn name(command: &Command) -> &'static str {
 fn input_of(command: &Command) -> Option<&Path> {
     match command {
         Command::Reconstruct(a) => a.input.as_deref(),
+        Command::Apatch(a) => Some(&a.local.input),
+        Command::Bubble(a) => Some(&a.local.input),
         Command::Segment(a) => Some(&a.input),
         Command::Check(a) => Some(&a.input),
         Command::Certify(a) => Some(&a.surface),
@@ -179,7 +185,7 @@ fn suitable(report: &Report) -> Result<(), SutureError> {
     Ok(())
 }
 
-fn settings(arguments: &impl serde::Serialize) -> serde_json::Map<String, serde_json::Value> {
+pub(crate) fn settings(arguments: &impl serde::Serialize) -> serde_json::Map<String, serde_json::Value> {
     match serde_json::to_value(arguments) {
         Ok(serde_json::Value::Object(map)) => map,
         _ => serde_json::Map::new(),
@@ -187,7 +193,7 @@ fn settings(arguments: &impl serde::Serialize) -> serde_json::Map<String, serde_
 }
 
 /// What people read at the end.
-fn summary(report: &Report) -> String {
+pub(crate) fn summary(report: &Report) -> String {
     use std::fmt::Write;
     let mut out = String::new();
     // Writing to a string cannot fail.
@@ -196,17 +202,27 @@ fn summary(report: &Report) -> String {
     };
     if let Some(i) = &report.input {
         let genus = i.genus.map_or("none".into(), |g| g.to_string());
-        line(format!("mesh         {} vertices, {} triangles, genus {genus}", i.vertices, i.faces));
+        let open = if i.boundary_loops > 0 {
+            format!(", {} boundary loops", i.boundary_loops)
+        } else {
+            String::new()
+        };
+        line(format!("mesh         {} vertices, {} triangles, genus {genus}{open}", i.vertices, i.faces));
     }
     if let Some(s) = &report.surface {
         let count = |k: &str| s.patches.get(k).copied().unwrap_or(0);
-        line(format!(
-            "surface      {} trimmed B-splines, {} strips, {} N-blends ({} patches when the strips of an arc are merged)",
-            count("trimmed"),
-            count("strip"),
-            count("nblend"),
-            s.patches_merged
-        ));
+        if s.charts > 0 {
+            line(format!(
+                "surface      {} trimmed B-splines, {} strips, {} N-blends ({} patches when the strips of an arc are merged)",
+                count("trimmed"),
+                count("strip"),
+                count("nblend"),
+                s.patches_merged
+            ));
+        } else {
+            let all: Vec<String> = s.patches.iter().map(|(kind, n)| format!("{n} {kind} patches")).collect();
+            line(format!("surface      {}", all.join(", ")));
+        }
         if let Some([low, high]) = s.widths {
             line(format!("widths       {low:.4} to {high:.4} of the diagonal"));
         }
@@ -233,11 +249,13 @@ fn summary(report: &Report) -> String {
         ));
     }
     if let Some(t) = &report.tessellation {
+        let input = report.input.as_ref();
+        let open = input.is_some_and(|i| i.boundary_loops > 0 && i.boundary_loops == t.boundary_loops);
         let yes = |b: bool, word: &str| if b { word.to_owned() } else { format!("NOT {word}") };
         line(format!(
             "tessellation {} triangles, {}, {}, {}, genus {}",
             t.triangles,
-            yes(t.closed, "closed"),
+            if open { "open as the mesh is".into() } else { yes(t.closed, "closed") },
             yes(t.manifold, "manifold"),
             yes(t.oriented, "oriented"),
             t.genus.map_or("none".into(), |g| g.to_string())
@@ -322,10 +340,7 @@ fn certify_command(
     let bytes =
         std::fs::read(&a.surface).map_err(|source| SutureError::File { path: a.surface.clone(), source })?;
     let surface = suture::load_surface(&bytes).map_err(|e| SutureError::Unsuitable {
-        what: format!(
-            "{}: not a surface saved as native JSON by `suture reconstruct -o NAME.json`: {e}",
-            a.surface.display()
-        ),
+        what: format!("{}: not a surface saved as native JSON by `-o NAME.json`: {e}", a.surface.display()),
     })?;
     let options = ReconstructOptions::default();
     let tessellation = suture::tessellate::tessellate(&surface, &options.tessellation)?;

@@ -1,8 +1,11 @@
 //! Arguments in, files and one message out.
 
+mod apatch;
 mod args;
+mod bubble;
 mod commands;
 mod input;
+mod local;
 mod output;
 mod progress;
 
