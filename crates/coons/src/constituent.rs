@@ -158,6 +158,18 @@ pub enum Map {
         /// Bend across the edge `κ`.
         kappa: [f64; 2],
     },
+    /// `e(u) + v (e(u) − apex)`, `e(u) = (1 − u) from + u to`: for `v < 0` the part of a convex domain between an edge and a point
+    /// inside, for `v > 0` beyond the edge.
+    Away {
+        /// `e(0)`.
+        from: DVec2,
+        /// `e(1)`.
+        to: DVec2,
+        /// The point that `v = −1` is mapped to.
+        apex: DVec2,
+        /// Factor of `v`.
+        reach: f64,
+    },
 }
 
 impl Map {
@@ -165,6 +177,9 @@ impl Map {
     pub fn valid(&self) -> bool {
         match self {
             Self::Affine { origin, u, v } => [origin, u, v].iter().all(|p| p.is_finite()),
+            Self::Away { from, to, apex, reach } => {
+                reach.is_finite() && [from, to, apex].iter().all(|p| p.is_finite())
+            }
             Self::Edge { at, psi, lambda, chi, kappa } => {
                 at.is_finite() && [psi, lambda, chi, kappa].iter().all(|p| p.iter().all(|x| x.is_finite()))
             }
@@ -177,6 +192,12 @@ impl Map {
         match *self {
             Self::Affine { origin, u, v } => {
                 Jet2 { p: origin + u * at.x + v * at.y, du: u, dv: v, ..Jet2::default() }
+            }
+            Self::Away { from, to, apex, reach } => {
+                let (e, d, w) = (from * (1.0 - at.x) + to * at.x, to - from, reach * at.y);
+                let away = e - apex;
+                let (du, duv) = (d * (1.0 + w), d * reach);
+                Jet2 { p: e + away * w, du, dv: away * reach, duv, ..Jet2::default() }
             }
             Self::Edge { at: edge, psi, lambda, chi, kappa } => {
                 let w = at.y - edge;
@@ -202,6 +223,10 @@ impl Map {
         let c = R::of;
         match *self {
             Self::Affine { origin, u: a, v: b } => [0, 1].map(|i| c(origin[i]) + c(a[i]) * u + c(b[i]) * v),
+            Self::Away { from, to, apex, reach } => [0, 1].map(|i| {
+                let e = c(from[i]) * (c(1.0) - u) + c(to[i]) * u;
+                e + (e - c(apex[i])) * c(reach) * v
+            }),
             Self::Edge { at, psi, lambda, chi, kappa } => {
                 let w = v - c(at);
                 let line = |f: [f64; 2]| c(f[0]) * (c(1.0) - u) + c(f[1]) * u;
@@ -243,7 +268,7 @@ impl Constituent for Mapped {
             Map::Affine { u, v, .. } => {
                 self.inner.line(self.map.jet(from).p, u * direction.x + v * direction.y)
             }
-            Map::Edge { .. } => None,
+            _ => None,
         }
     }
 
@@ -309,12 +334,43 @@ fn ribbon<R: Real>(curves: &[[R; 3]], w: R) -> [R; 3] {
     sum
 }
 
-/// The boundary jets of a constituent on the edge `v = at` to order `order`, as curves for a [`Ribbon`]; `None` when the
-/// constituent cannot be expanded.
-pub fn boundary_jets(of: &Arc<dyn Constituent>, at: f64, order: usize) -> Option<Ribbon> {
-    of.expand(&Expansion::u(0.0), &Expansion::v(at))?;
-    let curve = |j| -> Arc<dyn BorderCurve> { Arc::new(EdgeDerivative { of: Arc::clone(of), at, j }) };
-    Some(Ribbon { at, curves: (0..=order.min(3)).map(curve).collect() })
+/// The [`Ribbon`] of a constituent's own boundary jets: takes the place of a surface that runs astray over the gap.
+#[derive(Clone, Debug)]
+pub struct EdgeRibbon {
+    of: Arc<dyn Constituent>,
+    order: usize,
+    ribbon: Ribbon,
+}
+
+impl EdgeRibbon {
+    /// The polynomial continuation of degree `order ≤ 3` across the edge `v = at`; `None` when the constituent cannot be expanded.
+    pub fn new(of: Arc<dyn Constituent>, at: f64, order: usize) -> Option<Self> {
+        of.expand(&Expansion::u(0.0), &Expansion::v(at))?;
+        let order = order.min(3);
+        let curve = |j| -> Arc<dyn BorderCurve> { Arc::new(EdgeDerivative { of: Arc::clone(&of), at, j }) };
+        let curves = (0..=order).map(curve).collect();
+        Some(Self { of, order, ribbon: Ribbon { at, curves } })
+    }
+}
+
+impl Constituent for EdgeRibbon {
+    fn jet(&self, at: DVec2) -> Jet2 {
+        self.ribbon.jet(at)
+    }
+
+    fn expand(&self, u: &Expansion, v: &Expansion) -> Option<[Expansion; 3]> {
+        self.ribbon.expand(u, v)
+    }
+
+    fn enclose(&self, u: &Enclosure, v: &Enclosure) -> Option<[Enclosure; 3]> {
+        self.ribbon.enclose(u, v)
+    }
+
+    fn record(&self, pool: &mut SplinePool) -> Option<Record> {
+        let (at, order) = (self.ribbon.at, self.order);
+        let data = record::EdgeRibbonData { inner: self.of.record(pool)?, at, order };
+        Some(Record { kind: record::EDGE_RIBBON.into(), data: serde_json::to_value(data).ok()? })
+    }
 }
 
 /// `u ↦ ∂ʲ_v r(u, at)`.

@@ -163,7 +163,12 @@ impl Corner {
     fn new(before: &Sheet, after: &Sheet) -> Self {
         let jets = [before.jet(DVec2::X), after.jet(DVec2::ZERO)];
         let normals = jets.map(|j| j.du.cross(j.dv).normalize_or_zero());
-        let normal = (normals[0] + normals[1]).normalize_or_zero();
+        let mean = (normals[0] + normals[1]).normalize_or_zero();
+        // Across both edges, also where the tangent planes disagree: the wedges must not leave the edges. Where the edges go straight on
+        // they do not span a plane.
+        let across = jets[0].du.normalize_or_zero().cross(jets[1].du.normalize_or_zero());
+        let normal =
+            if across.length() > 1e-3 { across.normalize() * across.dot(mean).signum() } else { mean };
         // Along both edges away from the corner: inside whatever the surfaces' own parameter lines do.
         let inward = (jets[1].du.normalize_or_zero() - jets[0].du.normalize_or_zero()).normalize_or_zero();
         let inward = if inward == DVec3::ZERO { jets[1].dv.normalize_or_zero() } else { inward };

@@ -7,7 +7,7 @@ use suture_surface::{Patch, Record, RecordError, SplinePool};
 
 use crate::analytic::Analytic;
 use crate::blend::{Blend, BlendFunction};
-use crate::constituent::{Constituent, Map, Mapped, PatchSheet, Reflected, Ribbon, Spline};
+use crate::constituent::{Constituent, EdgeRibbon, Map, Mapped, PatchSheet, Reflected, Ribbon, Spline};
 use crate::curve::CurveData;
 use crate::four::FourSided;
 use crate::nsided::Wedge;
@@ -28,6 +28,7 @@ pub(crate) const ANALYTIC: &str = "coons.analytic";
 pub(crate) const MAPPED: &str = "coons.mapped";
 pub(crate) const RIBBON: &str = "coons.ribbon";
 pub(crate) const REFLECTED: &str = "coons.reflected";
+pub(crate) const EDGE_RIBBON: &str = "coons.edge_ribbon";
 pub(crate) const PATCH: &str = "coons.patch";
 
 /// Deepest nesting of constituents: a file is not to be trusted with the stack.
@@ -48,6 +49,13 @@ pub(crate) struct RibbonData {
 #[derive(Serialize, Deserialize)]
 pub(crate) struct ReflectedData {
     pub(crate) inner: Record,
+    pub(crate) order: usize,
+}
+
+#[derive(Serialize, Deserialize)]
+pub(crate) struct EdgeRibbonData {
+    pub(crate) inner: Record,
+    pub(crate) at: f64,
     pub(crate) order: usize,
 }
 
@@ -228,6 +236,15 @@ fn constituent(
             }
             let curves = data.curves.iter().map(|c| c.build().map_err(|e| bad(&e.to_string())));
             Arc::new(Ribbon { at: data.at, curves: curves.collect::<Result<_, _>>()? })
+        }
+        EDGE_RIBBON => {
+            let data: EdgeRibbonData = parse(record)?;
+            if !data.at.is_finite() {
+                return Err(bad("its edge is not finite"));
+            }
+            let inner = constituent(&data.inner, pool, foreign, depth + 1)?;
+            let ribbon = EdgeRibbon::new(inner, data.at, data.order);
+            Arc::new(ribbon.ok_or_else(|| bad("its surface cannot be expanded"))?)
         }
         REFLECTED => {
             let data: ReflectedData = parse(record)?;

@@ -454,7 +454,8 @@ fn g2_by_reparametrisation() {
     near(got[2], 0.0651189474494, 1e-10);
     let e = FourSided::fill(r.clone(), borders.clone(), &options);
     assert!(matches!(e, Err(CoonsError::Corner { edge: 0, side: 0, order: 2, .. })), "{e:?}");
-    let g1 = FourSided::fill(r.clone(), borders, &FillOptions { order: Order::G1, ..Default::default() }).unwrap();
+    let g1 =
+        FourSided::fill(r.clone(), borders, &FillOptions { order: Order::G1, ..Default::default() }).unwrap();
     assert!(bend(&g1.patch)[0] < 1e-12);
 }
 
