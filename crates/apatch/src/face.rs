@@ -88,12 +88,18 @@ impl Base {
         match self {
             Self::Rational { cubic, w } => {
                 let mut form = cubic.second(x);
-                let x = x.map(|x| x.max(0.0));
-                let a = [x[1] * x[2], x[2] * x[0], x[0] * x[1]];
-                let d = a[0] + a[1] + a[2];
-                if d == 0.0 {
-                    return form;
+                let mut x = x.map(|x| x.max(0.0));
+                let products = |x: [f64; 3]| [x[1] * x[2], x[2] * x[0], x[0] * x[1]];
+                let sum = |a: [f64; 3]| a[0] + a[1] + a[2];
+                let mut a = products(x);
+                let (v, g) = (form.v, form.g);
+                let corner = sum(a) == 0.0;
+                if corner {
+                    // Second derivatives at a corner depend on the direction; those along its bisector are taken.
+                    x = x.map(|x| if x > 0.0 { x } else { NUDGE });
+                    a = products(x);
                 }
+                let d = sum(a);
                 let mean = dot(*w, a) / d;
                 let product = x[0] * a[0];
                 let u = w.map(|w| w - mean);
@@ -109,6 +115,9 @@ impl Base {
                     let (pp, bend) = if i == j { (0.0, 0.0) } else { (x[3 - i - j], u[3 - i - j]) };
                     let ww = (bend - slope[i] * dd[j] - slope[j] * dd[i]) / d;
                     form.h[n] += 6.0 * (pp * mean + a[i] * slope[j] + a[j] * slope[i] + product * ww);
+                }
+                if corner {
+                    (form.v, form.g) = (v, g);
                 }
                 form
             }
@@ -131,6 +140,9 @@ impl Base {
         }
     }
 }
+
+/// Distance from a corner at which second derivatives that have no limit there are taken.
+const NUDGE: f64 = 1.0 / (1u64 << 60) as f64;
 
 /// The tetrahedron of a face on one side: the layers of `F` above the base.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

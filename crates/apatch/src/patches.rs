@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use suture_bernstein::BezierCurve;
 use suture_surface::{Domain, Jet2, Patch, PatchKind, Record, RecordError, SplinePool};
@@ -54,7 +54,16 @@ fn barycentric(at: DVec2) -> [f64; 3] {
 
 impl Patch for FacePatch {
     fn domain(&self) -> Domain {
-        Domain::Polygon(polygon(&self.pinches))
+        let corners = polygon(&self.pinches);
+        if corners.len() == 3 {
+            return Domain::Polygon(corners);
+        }
+        // Three corners in a line are no polygon to rely on.
+        let line = |k: usize| BezierCurve::new(vec![corners[k], corners[(k + 1) % corners.len()]]);
+        match (0..corners.len()).map(line).collect() {
+            Ok(lines) => Domain::Trimmed(vec![lines]),
+            Err(_) => Domain::Polygon(Vec::new()),
+        }
     }
 
     fn jet(&self, at: DVec2) -> Jet2 {
@@ -149,8 +158,9 @@ const NEAR_END: f64 = 1.0 / (1u64 << 40) as f64;
 /// Below this `u (1 − u)`, roots are found again in units of it.
 const NEAR: f64 = 1e-3;
 
-/// Smallest `u (1 − u)` that second derivatives are divided by: they grow without limit towards the ends (the curvature does not).
-const LEAST_SIGMA: f64 = 1.0 / (1u64 << 30) as f64;
+/// Smallest `u (1 − u)` at which second derivatives are taken: their tangential parts grow without limit towards the ends, and the
+/// curvature is left of them with as many digits fewer.
+const LEAST_SIGMA: f64 = 1.0 / (1u64 << 22) as f64;
 
 impl EdgePatch {
     /// `side`: 0 above, 1 below the mesh; `span`: the part of the edge where the surface lies there.
@@ -189,31 +199,12 @@ impl EdgePatch {
             [c * xi, c * width, 0.0]
         }
     }
-}
 
-impl Patch for EdgePatch {
-    fn domain(&self) -> Domain {
-        let curve = |a: f64, c: f64, b: f64| {
-            BezierCurve::new(vec![DVec2::new(a, 0.0), DVec2::new(0.5, c), DVec2::new(b, 0.0)])
-        };
-        // Three finite control points: the constructor accepts them.
-        match (curve(0.0, -0.5, 1.0), curve(1.0, 0.5, 0.0)) {
-            (Ok(right), Ok(left)) => Domain::Trimmed(vec![vec![right, left]]),
-            _ => Domain::Polygon(Vec::new()),
-        }
-    }
-
-    fn jet(&self, at: DVec2) -> Jet2 {
+    /// The derivatives on the ray `y` at `zeta`.
+    fn derivatives(&self, zeta: f64, y: f64) -> Jet2 {
         let form = &*self.form;
         let Some(side) = &form.sides[self.side] else { return Jet2::constant(DVec3::NAN) };
-        let position = self.point(at).position;
-        let mut zeta = at.x;
-        let end = self.beta0(self.ray(at)[0])[0];
-        if end == 0.0 {
-            // Both B₀ and its slope vanish: the lune ends in a cusp, whose derivatives are taken just before it.
-            zeta = zeta.clamp(NEAR_END, 1.0 - NEAR_END);
-        }
-        let [xi, y] = if zeta == at.x { self.ray(at) } else { self.ray(DVec2::new(zeta, 0.0)) };
+        let xi = self.span[0] * (1.0 - zeta) + self.span[1] * zeta;
         let sigma = zeta * (1.0 - zeta);
         let width = self.span[1] - self.span[0];
         let [p, d, dd] = self.beta0(xi);
@@ -261,9 +252,9 @@ impl Patch for EdgePatch {
         };
         let f = rise.weighted(&tau);
         let (slope, half) = (s.du, y - 0.5);
-        let sharp = 1.0 / sigma.max(LEAST_SIGMA);
+        let sharp = 1.0 / sigma.max(f64::MIN_POSITIVE);
         Jet2 {
-            p: position,
+            p: DVec3::ZERO,
             du: along + f.p * slope + f.du * sigma - f.dv * (half * slope),
             dv: f.dv * 0.5,
             duu: (f.p - f.dv * half) * -2.0 + f.du * (2.0 * slope) + f.duu * sigma
@@ -272,6 +263,37 @@ impl Patch for EdgePatch {
             duv: (f.duv - f.dvv * (half * slope * sharp)) * 0.5,
             dvv: f.dvv * (0.25 * sharp),
         }
+    }
+}
+
+impl Patch for EdgePatch {
+    fn domain(&self) -> Domain {
+        let curve = |a: f64, c: f64, b: f64| {
+            BezierCurve::new(vec![DVec2::new(a, 0.0), DVec2::new(0.5, c), DVec2::new(b, 0.0)])
+        };
+        // Three finite control points: the constructor accepts them.
+        match (curve(0.0, -0.5, 1.0), curve(1.0, 0.5, 0.0)) {
+            (Ok(right), Ok(left)) => Domain::Trimmed(vec![vec![right, left]]),
+            _ => Domain::Polygon(Vec::new()),
+        }
+    }
+
+    fn jet(&self, at: DVec2) -> Jet2 {
+        let mut zeta = at.x;
+        let [xi, mut y] = self.ray(at);
+        if self.beta0(xi)[0] == 0.0 {
+            // Both B₀ and its slope vanish: the lune ends in a cusp, whose derivatives are taken just before it.
+            zeta = zeta.clamp(NEAR_END, 1.0 - NEAR_END);
+            if zeta != at.x {
+                y = 0.5;
+            }
+        }
+        let mut jet = self.derivatives(zeta, y);
+        if zeta * (1.0 - zeta) < LEAST_SIGMA {
+            jet = bent_as(&jet, &self.derivatives(zeta.clamp(LEAST_SIGMA, 1.0 - LEAST_SIGMA), y));
+        }
+        jet.p = self.point(at).position;
+        jet
     }
 
     fn kind(&self) -> PatchKind {
@@ -285,6 +307,15 @@ impl Patch for EdgePatch {
     fn normal(&self, at: DVec2) -> Option<DVec3> {
         self.point(at).gradient.try_normalize()
     }
+}
+
+/// `jet` with the second derivatives of `near`, told in the frame of its own tangents and normal: the curvature of the one, the tangent
+/// plane of the other.
+fn bent_as(jet: &Jet2, near: &Jet2) -> Jet2 {
+    let frame = |j: &Jet2| DMat3::from_cols(j.du, j.dv, j.du.cross(j.dv).normalize_or_zero());
+    let turn = frame(jet) * frame(near).inverse();
+    let turned = Jet2 { duu: turn * near.duu, duv: turn * near.duv, dvv: turn * near.dvv, ..*jet };
+    if turned.finite() { turned } else { *jet }
 }
 
 /// Jets of `B₁`, `B₂`, `B₃` in `(ζ, y)`, `ξ = … + width ζ`.

@@ -101,8 +101,8 @@ pub enum BubbleError {
     },
     /// A strip is degenerate: the edge runs along a normal, or the normals at its ends oppose each other.
     #[error(
-        "the strip of edge {} → {} is degenerate at t = {t:.3}: {what} is {value:.3}, below {limit}; refine the mesh there, or smooth \
-         the normals",
+        "the strip of edge {} → {} is degenerate at t = {t:.3}: {what} is {value:.3}, below {limit}; refine the mesh there, smooth the \
+         normals, or accept it with a smaller `refuse`",
         edge[0], edge[1]
     )]
     Degenerate {
