@@ -23,6 +23,10 @@ pub(crate) struct Bubble {
     /// With --order 0: the mesh itself, as printed in the paper, instead of curved patches
     #[arg(long)]
     flat: bool,
+    /// Edges are refused along which the cosine between gradient and normal, half the relative length of the normal or a quarter of the
+    /// relative speed falls below this; 0 accepts all
+    #[arg(long, value_name = "VALUE", default_value_t = BubbleOptions::default().refuse)]
+    refuse: f64,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, Default, Serialize)]
@@ -51,7 +55,8 @@ pub(crate) fn run(a: &Bubble, common: &args::Common, report: &mut Report) -> Res
         Fitting::Quadric => Fit::Quadric { lambda: QUADRIC_WEIGHT },
         Fitting::Quartic => Fit::Quartic,
     };
-    let bubbles = BubbleOptions { order: a.order.into(), fit, curved: !a.flat, ..BubbleOptions::default() };
+    let (order, curved, refuse) = (a.order.into(), !a.flat, a.refuse);
+    let bubbles = BubbleOptions { order, fit, curved, refuse, ..BubbleOptions::default() };
     a.local.run(common, report, |mesh, options, watch| {
         let normals = vertex_normals(mesh, a.local.source())?;
         sew_bubble(mesh, &normals, &bubbles, options, watch)

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use suture::export::{self, Format};
 use suture::surface::Surface;
 use suture::tessellate::Tessellation;
 use suture::view::{self, Camera, ViewOptions};
 use suture::{Report, SutureError};
 
-use super::args::{Picture, Shade};
+use super::args::{Axis, Picture, Shade};
 
 /// A file to write, its format known.
 pub(crate) enum Output {
@@ -61,6 +62,12 @@ pub(crate) fn view_options(args: &Picture) -> Result<ViewOptions, SutureError> {
             Shade::Curvature => view::Shade::Curvature,
             Shade::Lit => view::Shade::Lit,
         },
+        up: match args.up {
+            Axis::X => DVec3::X,
+            Axis::Y => DVec3::Y,
+            Axis::Z => DVec3::Z,
+        },
+        bands: args.bands,
         ..ViewOptions::default()
     };
     if args.azimuth.is_some() || args.elevation.is_some() {
