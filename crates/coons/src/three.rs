@@ -59,9 +59,10 @@ pub struct HoleCertificate {
 pub struct Tip {
     /// The point.
     pub point: DVec3,
-    /// Limit of the unit normal.
+    /// Limit of the unit normal; at the tip of a cone that at `v = 0`.
     pub normal: DVec3,
-    /// Smallest `(U × U')·n`, `U = f_u(0, v)`; positive for a surface that does not fold.
+    /// Smallest `(U × U')·n`, `U = f_u(0, v)`; positive for a surface that does not fold. At the tip of a cone the smallest `|U × U'|`, negative
+    /// where its direction turns over.
     pub smallest: f64,
     /// Where.
     pub at: f64,
@@ -219,24 +220,29 @@ impl ThreeSided {
         if size > tolerance.max(1e-12) {
             return Ok(None);
         }
-        let [u, du] = self.fan(0.0);
-        let normal = u.cross(du).normalize_or_zero();
-        let mut tip = Tip { point, normal, smallest: f64::INFINITY, at: 0.0, turning: 0.0, aslant: 0.0 };
         let n = 2 * SAMPLES;
-        for i in 0..=n {
-            let v = f64::from(i) / f64::from(n);
-            let [u, du] = self.fan(v);
-            let value = u.cross(du).dot(normal);
+        let fans: Vec<[DVec3; 2]> = (0..=n).map(|i| self.fan(f64::from(i) / f64::from(n))).collect();
+        let cross = |[u, du]: [DVec3; 2]| u.cross(du);
+        let normal = cross(fans[0]).normalize_or_zero();
+        let aslant = fans.iter().fold(0.0f64, |w, [u, _]| w.max(u.dot(normal).abs() / u.length()));
+        // Without a common tangent plane the tip is that of a cone: its normal may turn, but not over.
+        let plane = aslant <= 1e-6;
+        let mut tip = Tip { point, normal, smallest: f64::INFINITY, at: 0.0, turning: 0.0, aslant };
+        let mut before = normal;
+        for (i, &fan) in fans.iter().enumerate() {
+            let here = cross(fan);
+            let towards = if plane { normal } else { before };
+            let value = if plane || here.dot(towards) <= 0.0 { here.dot(towards) } else { here.length() };
+            before = here.normalize_or_zero();
             if !(value >= tip.smallest) {
-                (tip.smallest, tip.at) = (value, v);
+                (tip.smallest, tip.at) = (value, i as f64 / f64::from(n));
             }
             // Trapezoidal rule for the angle.
-            let weight = if i == 0 || i == n { 0.5 } else { 1.0 };
-            tip.turning += weight * value / u.length_squared() / f64::from(n);
-            tip.aslant = tip.aslant.max(u.dot(normal).abs() / u.length());
+            let weight = if i == 0 || i + 1 == fans.len() { 0.5 } else { 1.0 };
+            tip.turning += weight * value / fan[0].length_squared() / f64::from(n);
         }
-        let limit = 16.0 * f64::EPSILON * u.length() * du.length();
-        if tip.smallest > limit && tip.turning < 2.0 * std::f64::consts::PI {
+        let size = fans.iter().fold(0.0f64, |w, [u, du]| w.max(u.length() * du.length()));
+        if tip.smallest > 16.0 * f64::EPSILON * size && tip.turning < 2.0 * std::f64::consts::PI {
             Ok(Some(tip))
         } else {
             Err(CoonsError::Tip { at: tip.at, value: tip.smallest, turning: tip.turning })
