@@ -174,9 +174,27 @@ pub(crate) struct Picture {
     /// Camera: degrees above the horizon
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     pub(crate) elevation: Option<f64>,
+    /// The axis that points upwards in pictures
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) up: Axis,
+    /// Number of bands of light of reflection lines and isophotes
+    #[arg(long, value_name = "N", default_value_t = 24)]
+    pub(crate) bands: u32,
     /// Width and height of pictures in pixels
     #[arg(long, value_name = "WxH", default_value = "800x600")]
     pub(crate) size: String,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Axis {
+    /// The first
+    X,
+    /// The second
+    Y,
+    /// The third
+    #[default]
+    Z,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, Default, Serialize)]
