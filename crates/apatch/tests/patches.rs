@@ -6,7 +6,7 @@ use common::figure;
 use glam::{DVec2, DVec3};
 use suture_apatch::{ApatchOptions, ApatchSurface, RECORDS, apatch, load};
 use suture_mesh::{TriMesh, check, shapes, vertex_normals_area_weighted};
-use suture_surface::{Domain, Patch, PatchKind, SplinePool};
+use suture_surface::{Patch, PatchKind, SplinePool};
 
 fn built(mesh: &TriMesh) -> ApatchSurface {
     apatch(mesh, &vertex_normals_area_weighted(mesh), &ApatchOptions::default()).unwrap()
@@ -25,8 +25,8 @@ fn all() -> Vec<ApatchSurface> {
 }
 
 fn inside(patch: &dyn Patch) -> Vec<DVec2> {
-    match patch.domain() {
-        Domain::Polygon(_) => {
+    match patch.kind() {
+        PatchKind::Face | PatchKind::Planar => {
             [(0.31, 0.23), (0.11, 0.72), (0.67, 0.12)].map(|(x, y)| DVec2::new(x, y)).to_vec()
         }
         _ => [(0.5, 0.1), (0.3, -0.15), (0.9, 0.02), (0.05, 0.01)].map(|(x, y)| DVec2::new(x, y)).to_vec(),
