@@ -24,11 +24,9 @@ pub struct Blend {
 }
 
 /// How often widths shrink before the obstacle becomes the error.
-const ATTEMPTS: usize = 200;
+const ATTEMPTS: usize = 60;
 /// By how much they shrink at a time.
-const SHRINK: f64 = 0.9;
-/// Narrowest width relative to the diagonal: below, the curvature of the blends amplifies rounding and says nothing of the shape.
-const NARROWEST: f64 = 5e-4;
+const SHRINK: f64 = 0.8;
 /// Lengths of strips, as multiples of the first one, that are tried in turn on an arc whose chain folds: longer ones pass over what
 /// scatters, shorter ones follow what bends.
 const LENGTHS: [f64; 5] = [1.0, 2.0, 0.5, 1.4, 0.7];
@@ -44,7 +42,7 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
     network.check()?;
     let mut widths = Widths::resolve(network, maps, options)?;
     let automatic = options.d_in.is_none() && options.d_out.is_none();
-    let narrowest = NARROWEST * network.diagonal;
+    let narrowest = options.narrowest * network.diagonal;
     let lengths = widths.shortest.clone();
     let mut folds = vec![0; lengths.len()];
     for _ in 0..ATTEMPTS {
@@ -56,15 +54,36 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
                 }
                 report.obstacles
             }
-            Err(error @ BlendError::ArcTooShort { corners, .. }) => {
-                vec![Obstacle { error, corners: corners.to_vec(), chain: None }]
+            Err(errors) => {
+                for error in &errors {
+                    match error {
+                        // How narrow it has to be is known.
+                        BlendError::ArcTooShort { corners, limit, .. } => {
+                            for &c in corners {
+                                let limit = limit.max(options.narrowest) * network.diagonal;
+                                widths.corner[c] = widths.corner[c].min(limit / SHRINK);
+                            }
+                        }
+                        other => return Err(other.clone()),
+                    }
+                }
+                let obstacle = |error| match error {
+                    BlendError::ArcTooShort { corners, .. } => {
+                        Obstacle { corners: corners.to_vec(), error, chain: None }
+                    }
+                    error => Obstacle { corners: Vec::new(), error, chain: None },
+                };
+                errors.into_iter().map(obstacle).collect()
             }
-            Err(error) => return Err(error),
         };
         let mut shrinks = vec![false; widths.corner.len()];
         let mut folding = vec![false; lengths.len()];
+        let mut folds_at = vec![false; widths.corner.len()];
         for obstacle in &obstacles {
             obstacle.corners.iter().for_each(|&c| shrinks[c] = true);
+            if !matches!(obstacle.error, BlendError::ArcTooShort { .. }) {
+                obstacle.corners.iter().for_each(|&c| folds_at[c] = true);
+            }
             if let Some(arc) = obstacle.chain {
                 folding[arc] = true;
             }
@@ -75,20 +94,36 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
         }
         let exhausted = (0..shrinks.len()).any(|c| shrinks[c] && widths.corner[c] * SHRINK < narrowest);
         if !automatic || exhausted {
-            return Err(first(obstacles));
+            return Err(unusable(obstacles));
         }
         for c in (0..shrinks.len()).filter(|&c| shrinks[c]) {
             widths.corner[c] *= SHRINK;
-            widths.reductions[c] += 1;
+            widths.reductions[c] += u32::from(folds_at[c]);
         }
     }
-    let set = maps.maps(network, &widths)?;
-    Err(first(check_maps(network, &set).obstacles))
+    match maps.maps(network, &widths) {
+        Ok(set) => Err(unusable(check_maps(network, &set).obstacles)),
+        Err(mut errors) => Err(errors.swap_remove(0)),
+    }
 }
 
-fn first(obstacles: Vec<Obstacle>) -> BlendError {
+fn unusable(obstacles: Vec<Obstacle>) -> BlendError {
+    let mut segments: Vec<usize> = obstacles
+        .iter()
+        .filter_map(|o| match o.error {
+            BlendError::Fold { segment, .. }
+            | BlendError::Overlap { segment }
+            | BlendError::OutsideDomain { segment, .. } => Some(segment),
+            _ => None,
+        })
+        .collect();
+    segments.sort_unstable();
+    segments.dedup();
     let none = BlendError::Inconsistent { what: "no width was found in the attempts allowed".into() };
-    obstacles.into_iter().next().map_or(none, |o| o.error)
+    match obstacles.into_iter().next().map_or(none, |o| o.error) {
+        first if segments.is_empty() => first,
+        first => BlendError::Obstacles { first: Box::new(first), segments },
+    }
 }
 
 /// One edge of a trimming loop.

@@ -7,10 +7,12 @@ use crate::assemble::trimming_loop;
 use crate::maps::{MapSet, StripMaps};
 use crate::{BlendError, Network, gon};
 
-/// Samples per direction of a strip and per edge of a trimming loop.
+/// Samples across a strip; three times as many along it.
 const SAMPLES: usize = 8;
+/// Samples per edge of a trimming loop.
+const LOOP_SAMPLES: usize = 32;
 
-/// Smallest Jacobian of a strip map relative to its largest: what 9 × 9 samples may miss of a fold is small against it.
+/// Smallest Jacobian of a strip map relative to its largest: what 25 × 9 samples may miss of a fold is small against it.
 pub(crate) const LEAST_JACOBIAN: f64 = 0.02;
 
 /// A map that cannot be used, with the corners whose widths it depends on.
@@ -33,7 +35,7 @@ pub struct MapReport {
     pub obstacles: Vec<Obstacle>,
 }
 
-/// Tests every map of the network by samples: 9 × 9 per strip, 8 per edge of a trimming loop.
+/// Tests every map of the network by samples: 25 × 9 per strip, 32 per edge of a trimming loop.
 pub fn check_maps(network: &Network, maps: &MapSet) -> MapReport {
     let mut report = MapReport { jacobian: 1.0, obstacles: Vec::new() };
     for (c, set) in maps.corners.iter().enumerate() {
@@ -102,9 +104,11 @@ pub(crate) fn jacobian(jets: impl Iterator<Item = Jet2<DVec2>>) -> f64 {
 }
 
 fn jets(map: &BezierPatch<DVec2>) -> Vec<Jet2<DVec2>> {
-    let step = |i: usize| i as f64 / SAMPLES as f64;
-    (0..=SAMPLES)
-        .flat_map(|i| (0..=SAMPLES).map(move |j| DVec2::new(step(i), step(j))))
+    // Along the strip the maps have the higher degree.
+    let along = |i: usize| i as f64 / (3 * SAMPLES) as f64;
+    let across = |j: usize| j as f64 / SAMPLES as f64;
+    (0..=3 * SAMPLES)
+        .flat_map(|i| (0..=SAMPLES).map(move |j| DVec2::new(along(i), across(j))))
         .map(|at| map.jet(at))
         .collect()
 }
@@ -136,8 +140,8 @@ fn check_loop(network: &Network, maps: &MapSet, segment: usize, report: &mut Map
     };
     let mut points = Vec::new();
     for edge in &edges {
-        for k in 0..SAMPLES {
-            points.push((edge.curve.jet::<1>(k as f64 / SAMPLES as f64)[0], edge.corners));
+        for k in 0..LOOP_SAMPLES {
+            points.push((edge.curve.jet::<1>(k as f64 / LOOP_SAMPLES as f64)[0], edge.corners));
         }
     }
     let n = points.len();

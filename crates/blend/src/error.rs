@@ -98,7 +98,19 @@ pub enum BlendError {
         /// How far it leaves the domain, relative to the domain's size.
         overshoot: f64,
     },
+    /// No width makes all maps usable.
+    #[error("{first}{}", more(segments.len()))]
+    Obstacles {
+        /// The first obstacle at the narrowest width.
+        first: Box<BlendError>,
+        /// The segments into which maps fold, overlap or leave the domain, ascending: splitting them may help.
+        segments: Vec<usize>,
+    },
     /// Patches and seams do not form a surface.
     #[error(transparent)]
     Surface(#[from] suture_surface::SurfaceError),
+}
+
+fn more(segments: usize) -> String {
+    if segments > 1 { format!(" ({segments} segments have maps that cannot be used)") } else { String::new() }
 }

@@ -43,8 +43,9 @@ pub trait CornerMaps {
     /// The maps for given widths.
     ///
     /// # Errors
-    /// [`BlendError::ArcTooShort`] where the widths leave no room for a strip, [`BlendError::Singular`].
-    fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, BlendError>;
+    /// Every reason at once, so that all widths concerned can change together: [`BlendError::ArcTooShort`] where they leave no room
+    /// for a strip, [`BlendError::Singular`].
+    fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, Vec<BlendError>>;
 
     /// Distance, in widths, between a corner of valence `n` with equal angles and the first cross line of its arcs: the first guess
     /// of what fits on an arc.
@@ -88,4 +89,18 @@ pub(crate) fn bezier(rows: [Vec<DVec2>; 6]) -> Result<BezierPatch<DVec2>, BlendE
     debug_assert!(q <= MAX_DEGREE);
     BezierPatch::new([5, q], rows.concat())
         .map_err(|e| BlendError::Inconsistent { what: format!("a strip map is not finite ({e})") })
+}
+
+/// All results, or all errors.
+pub(crate) fn all<T>(
+    results: impl IntoIterator<Item = Result<T, BlendError>>,
+) -> Result<Vec<T>, Vec<BlendError>> {
+    let (mut good, mut bad) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(t) => good.push(t),
+            Err(e) => bad.push(e),
+        }
+    }
+    if bad.is_empty() { Ok(good) } else { Err(bad) }
 }

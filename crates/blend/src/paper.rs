@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use glam::{DMat2, DVec2, DVec3};
 use suture_bernstein::{BSplineSurface, BezierPatch};
 
-use crate::maps::{CornerMapSet, CornerMaps, MapSet, Node, StripMaps, between, bezier};
+use crate::maps::{CornerMapSet, CornerMaps, MapSet, Node, StripMaps, all, between, bezier};
 use crate::metric::isometry;
 use crate::network::{Ray, sample_at};
 use crate::polynomial::PlanePolynomial;
@@ -27,24 +27,22 @@ pub struct PaperMaps;
 /// beside the rays instead of on them.
 const NARROWEST: f64 = 50.0 * std::f64::consts::PI / 180.0;
 
+/// The same for corners whose width was reduced this often: strips of neighbouring arcs that are laid out too far apart cross each other
+/// at every width, and narrow ones have room for the reach of the true angle.
+const SHARPEST: f64 = 18.0 * std::f64::consts::PI / 180.0;
+const REDUCED: u32 = 5;
+
 /// Least length of a chain in widths: one strip a third as long as it is wide.
 const SHORTEST_CHAIN: f64 = 0.3;
 
 impl CornerMaps for PaperMaps {
-    fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, BlendError> {
+    fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, Vec<BlendError>> {
         let lengths: Vec<Vec<f64>> = network.arcs.iter().map(ArcCurve::lengths).collect();
-        let built: Vec<CornerBuild> = network
-            .corners
-            .iter()
-            .zip(&widths.corner)
-            .map(|(corner, &s)| corner_maps(network, &lengths, corner, s, widths.inner))
-            .collect::<Result<_, _>>()?;
-        let chains = network
-            .arcs
-            .iter()
-            .enumerate()
-            .map(|(i, arc)| chain(network, &lengths[i], i, arc.corners.map(|c| &built[c]), widths))
-            .collect::<Result<_, _>>()?;
+        let corners = network.corners.iter().enumerate();
+        let built = all(corners.map(|(c, corner)| corner_maps(network, &lengths, corner, widths, c)))?;
+        let arcs = network.arcs.iter().enumerate();
+        let chains =
+            all(arcs.map(|(i, arc)| chain(network, &lengths[i], i, arc.corners.map(|c| &built[c]), widths)))?;
         Ok(MapSet { corners: built.into_iter().map(|b| b.maps).collect(), chains, missed: 0.0 })
     }
 }
@@ -59,12 +57,14 @@ pub(crate) fn corner_maps(
     network: &Network,
     lengths: &[Vec<f64>],
     corner: &Corner,
-    s: f64,
-    inner: f64,
+    widths: &Widths,
+    index: usize,
 ) -> Result<CornerBuild, BlendError> {
     let n = corner.arcs.len();
+    let (s, inner) = (widths.corner[index], widths.inner);
+    let narrowest = if widths.reductions[index] < REDUCED { NARROWEST } else { SHARPEST };
     let sectors: Vec<Sector> =
-        (0..n).map(|i| sector(network, lengths, corner, i, s, inner)).collect::<Result<_, _>>()?;
+        (0..n).map(|i| sector(network, lengths, corner, i, s, inner, narrowest)).collect::<Result<_, _>>()?;
     let previous = |i: usize| &sectors[(i + n - 1) % n];
     let strips =
         (0..n).map(|i| StripMaps { down: sectors[i].down.clone(), up: previous(i).up.clone() }).collect();
@@ -91,6 +91,7 @@ fn sector(
     i: usize,
     s: f64,
     inner: f64,
+    narrowest: f64,
 ) -> Result<Sector, BlendError> {
     let n = corner.arcs.len();
     let ray = |ArcEnd { arc, starts }| Ray::new(&network.arcs[arc], &lengths[arc], starts);
@@ -113,7 +114,7 @@ fn sector(
         if !alpha.is_finite() {
             return Err(BlendError::Singular { segment, at: q.into() });
         }
-        let l = Layout::new(n, alpha.clamp(NARROWEST, TAU - NARROWEST), inner);
+        let l = Layout::new(n, alpha.clamp(narrowest, TAU - narrowest), inner);
         reach = [s * l.connection(); 2];
         layout = Some((l, DVec2::from_angle(start + 0.5 * alpha - FRAC_PI_2)));
     }

@@ -23,6 +23,9 @@ pub struct WidthOptions {
     pub intent: Intent,
     /// Width wanted, `d_in + d_out`, where neither is given; narrower at corners of short arcs.
     pub wanted: f64,
+    /// Narrowest width to which blends shrink where a map cannot be used. Default 5e-4: below, the curvature of the blends amplifies
+    /// rounding and says nothing of the shape.
+    pub narrowest: f64,
     /// How far blends reach into a segment: overrides the automatic width everywhere.
     pub d_in: Option<f64>,
     /// How far blends reach out of a segment: overrides the automatic width everywhere.
@@ -35,7 +38,15 @@ pub struct WidthOptions {
 
 impl Default for WidthOptions {
     fn default() -> Self {
-        Self { intent: Intent::default(), wanted: 0.03, d_in: None, d_out: None, d_min: None, d_curv: 0.3 }
+        Self {
+            intent: Intent::default(),
+            wanted: 0.03,
+            narrowest: 5e-4,
+            d_in: None,
+            d_out: None,
+            d_min: None,
+            d_curv: 0.3,
+        }
     }
 }
 
@@ -98,6 +109,7 @@ impl Widths {
     ) -> Result<Self, BlendError> {
         for (name, value) in [
             ("wanted", Some(options.wanted)),
+            ("narrowest", Some(options.narrowest)),
             ("d_in", options.d_in),
             ("d_out", options.d_out),
             ("d_min", options.d_min),

@@ -63,6 +63,8 @@ impl FitSurface for PenalizedLeastSquares {
 const FEW: usize = 10;
 /// Margin of the domain rectangle, as a part of its square-root area.
 const MARGIN: f64 = 0.05;
+/// λ of the parameter correction, in floors.
+const CORRECTION_STIFFNESS: f64 = 10.0;
 /// λ at least this many floors means that the residual is noise.
 const NOISE_LIMITED: f64 = 10.0;
 /// Residual that finer knots must leave of a noisy one to be called noise (a noisy sphere: 0.97 to 1.03; coarse clean meshes: 0.3 to 0.8).
@@ -189,18 +191,22 @@ impl Round {
                 other => other,
             }
         };
-        let choice = choose_at(&system)?;
         let floor = system.lambda(options.floor);
-        let noise_limited = |choice: &Choice| {
-            choice.from_data
-                && (matches!(options.smoothing, Smoothing::Noise(_))
-                    || choice.lambda >= NOISE_LIMITED * floor * (1.0 - 1e-9))
+        // The parameters are corrected at a small λ and λ is chosen for them: the other way round what the correction would remove is
+        // taken for noise, and the search is the expensive part.
+        let first = match options.smoothing {
+            Smoothing::Gcv { .. } | Smoothing::RobustGcv | Smoothing::Noise(_) if options.corrections > 0 => {
+                let lambda = CORRECTION_STIFFNESS * floor;
+                let net = system.solve(&system.factor(lambda)?, &chart.points)?;
+                Choice { lambda, net, trace: smoothing::trace(&system, lambda)?, from_data: true }
+            }
+            _ => choose_at(&system)?,
         };
-        let (noisy, from_data) = (noise_limited(&choice), choice.from_data);
+        let from_data = first.from_data;
         let mut round = Self {
-            freedom: choice.trace / n as f64,
-            lambda: choice.lambda,
-            net: choice.net,
+            freedom: first.trace / n as f64,
+            lambda: first.lambda,
+            net: first.net,
             system,
             params,
             sigma: None,
@@ -208,7 +214,7 @@ impl Round {
             max: 0.0,
             worst: 0,
             corrections: 0,
-            noise_limited: noisy,
+            noise_limited: false,
             guard: GuardReport::default(),
         };
         round.estimate_noise(chart);
@@ -217,11 +223,12 @@ impl Round {
                 break;
             }
         }
-        if round.corrections > 0 && from_data {
-            // What the correction removed is no longer taken for noise.
-            let again = choose_at(&round.system)?;
-            round.noise_limited = noise_limited(&again);
-            (round.lambda, round.net, round.freedom) = (again.lambda, again.net, again.trace / n as f64);
+        if from_data {
+            let choice = choose_at(&round.system)?;
+            round.noise_limited = choice.from_data
+                && (matches!(options.smoothing, Smoothing::Noise(_))
+                    || choice.lambda >= NOISE_LIMITED * floor * (1.0 - 1e-9));
+            (round.lambda, round.net, round.freedom) = (choice.lambda, choice.net, choice.trace / n as f64);
             round.estimate_noise(chart);
         }
         round.measure(chart);

@@ -8,6 +8,8 @@ use crate::{FitError, Smoothing};
 
 /// Half decades above the floor that are searched: seven decades.
 const STEPS: i32 = 14;
+/// Fewest points of the grid that a choice is made from.
+const FEWEST_TRIALS: usize = 6;
 
 /// A chosen λ with its fit.
 #[derive(Debug)]
@@ -96,13 +98,20 @@ fn trials(system: &System, points: &[DVec3], floor: f64) -> Result<Vec<Trial>, F
     let mut log_dets = Vec::new();
     let mut residuals = Vec::new();
     for k in -1..=STEPS + 1 {
-        let factor = system.factor(lambda(k))?;
+        let factor = match system.factor(lambda(k)) {
+            Ok(factor) => factor,
+            // Few data are lost beside so stiff an energy: the grid ends here.
+            Err(_) if log_dets.len() > FEWEST_TRIALS => break,
+            Err(error) => return Err(error),
+        };
         log_dets.push(factor.log_det());
         if (0..=STEPS).contains(&k) {
             residuals.push(system.residual(&system.solve(&factor, points)?, points));
         }
     }
     let step = 0.5 * std::f64::consts::LN_10;
+    // One value of λ beyond the last trial, for the slope there.
+    residuals.truncate(log_dets.len() - 2);
     let (slopes, bends) = spline(&log_dets, step);
     Ok(residuals
         .into_iter()

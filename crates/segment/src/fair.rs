@@ -47,8 +47,7 @@ pub fn fair_arcs(
     segmentation: &Segmentation,
     options: &FairOptions,
 ) -> Vec<Vec<MeshPoint>> {
-    let edge = median_edge(mesh);
-    segmentation.arcs.iter().map(|arc| fair_arc(mesh, topology, &arc.vertices, edge, options)).collect()
+    segmentation.arcs.iter().map(|arc| fair_arc(mesh, topology, &arc.vertices, options)).collect()
 }
 
 /// How strongly a point on a crease holds to it, against 1 elsewhere.
@@ -56,13 +55,12 @@ const HOLD: f64 = 1e4;
 /// Rounds of smoothing and pulling back. The second round starts from points on the mesh and moves them little.
 const ROUNDS: usize = 3;
 
-fn fair_arc(
-    mesh: &TriMesh,
-    topology: &Topology,
-    chain: &[u32],
-    edge: f64,
-    options: &FairOptions,
-) -> Vec<MeshPoint> {
+/// One chain of mesh edges as [`fair_arcs`] draws it.
+///
+/// # Panics
+/// When the chain has fewer than two vertices or does not belong to the mesh.
+pub fn fair_arc(mesh: &TriMesh, topology: &Topology, chain: &[u32], options: &FairOptions) -> Vec<MeshPoint> {
+    let edge = median_edge(mesh);
     let position = |v: u32| mesh.positions[v as usize];
     let mut lengths = vec![0.0];
     for w in chain.windows(2) {
@@ -189,7 +187,7 @@ fn smooth(targets: &[DVec3], weights: &[f64], mu: f64) -> Vec<DVec3> {
 }
 
 /// The point of the mesh nearest to `p` that a descent over neighbouring faces finds from `face`: the nearest one of the same sheet.
-fn nearest(mesh: &TriMesh, topology: &Topology, face: u32, p: DVec3) -> MeshPoint {
+pub(crate) fn nearest(mesh: &TriMesh, topology: &Topology, face: u32, p: DVec3) -> MeshPoint {
     let on = |face: u32| {
         let barycentric = project(mesh.corners(face as usize), p);
         let [a, b, c] = mesh.corners(face as usize);

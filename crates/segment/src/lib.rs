@@ -34,6 +34,7 @@
 #![forbid(unsafe_code)]
 
 mod automatic;
+mod balance;
 mod census;
 mod error;
 mod fair;
@@ -42,9 +43,10 @@ mod labels;
 mod segmentation;
 mod waypoints;
 
-pub use automatic::{Automatic, AutomaticOptions};
+pub use automatic::{Automatic, AutomaticOptions, split_charts};
+pub use balance::balance_corners;
 pub use error::SegmentError;
-pub use fair::{FairOptions, MeshPoint, fair_arcs};
+pub use fair::{FairOptions, MeshPoint, fair_arc, fair_arcs};
 pub use flatten::{Flatten, NormalSpread};
 pub use labels::{Labels, read_labels, write_labels};
 pub use segmentation::{Arc, ArcEnd, ChartBoundary, Corner, Limits, Segmentation, reach};

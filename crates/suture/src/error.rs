@@ -118,12 +118,9 @@ impl SutureError {
         match self {
             Self::Mesh { path, .. } | Self::File { path, .. } => Some(path.display().to_string()),
             Self::Chart { segment, .. } | Self::Fit { segment, .. } => Some(format!("segment {segment}")),
-            Self::Normals(e) => match e {
-                NormalsError::NotFinite { vertex } | NormalsError::NoNormal { vertex } => {
-                    Some(format!("vertex {vertex}"))
-                }
-                _ => None,
-            },
+            Self::Normals(NormalsError::NotFinite { vertex } | NormalsError::NoNormal { vertex }) => {
+                Some(format!("vertex {vertex}"))
+            }
             Self::Apatch(e) => match e {
                 ApatchError::NotFinite { vertex } | ApatchError::Normal { vertex, .. } => {
                     Some(format!("vertex {vertex}"))

@@ -9,6 +9,8 @@
 
 #![forbid(unsafe_code)]
 
+mod arcs;
+mod charting;
 mod error;
 mod reconstruct;
 mod repair;
@@ -17,7 +19,7 @@ mod sew;
 mod watch;
 
 pub use error::SutureError;
-pub use reconstruct::{Fairness, ReconstructOptions, Reconstruction, Stages, reconstruct, samples};
+pub use reconstruct::{Fairness, ReconstructOptions, Reconstruction, Splits, Stages, reconstruct, samples};
 pub use repair::repair_all;
 pub use report::Report;
 pub use sew::{NormalSource, SewOptions, Sewn, sew_apatch, sew_bubble, vertex_normals};

@@ -23,7 +23,7 @@ use self::line::Line;
 use self::project::{Across, GonProjection, hermite, lines};
 use self::reference::{Centre, Jet};
 use crate::check::{LEAST_JACOBIAN, jacobian, strip_jacobian};
-use crate::maps::{CornerMapSet, CornerMaps, MapSet, Node, StripMaps, between};
+use crate::maps::{CornerMapSet, CornerMaps, MapSet, Node, StripMaps, all, between};
 use crate::network::sample_at;
 use crate::paper;
 use crate::polynomial::PlanePolynomial;
@@ -34,9 +34,13 @@ use crate::{ArcCurve, ArcEnd, BlendError, Corner, Network, gon};
 const ENLARGEMENT: f64 = 1.3;
 /// Share of missed lines above which the maps of a corner say nothing about the shape.
 const MOST_MISSED: f64 = 0.05;
+/// Cosine between the normals on both sides of an arc below which its lines are useless, and the share of such samples from which
+/// the whole arc is.
+const LEAST_AGREEMENT: f64 = -0.2;
+const MOST_TURNED: f64 = 0.1;
 /// Reductions of the width after which the paper's maps are tried at a corner beside which strips fold, and along an arc that folds.
-const PAPER_CORNER: u32 = 2;
-const PAPER_ARC: u32 = 5;
+const PAPER_CORNER: u32 = 1;
+const PAPER_ARC: u32 = 3;
 /// Least length of a chain in widths: one strip a third as long as it is wide.
 const SHORTEST_CHAIN: f64 = 0.3;
 
@@ -57,40 +61,47 @@ impl Default for Correspondence {
 }
 
 impl CornerMaps for Correspondence {
-    fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, BlendError> {
+    fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, Vec<BlendError>> {
         let top = self.gon.clamp(1, PlanePolynomial::MAX_DEGREE);
         let across = self.across.clamp(top, suture_bernstein::MAX_DEGREE);
         let lengths: Vec<Vec<f64>> = network.arcs.iter().map(ArcCurve::lengths).collect();
         // The ladder: what folds at full degree is made again at degree 1, corners that fold even then by the paper.
         let mut rungs = vec![Rung::Degree(top); network.corners.len()];
         let mut orders = vec![ArcOrder::Degree(across); network.arcs.len()];
+        for (a, arc) in network.arcs.iter().enumerate() {
+            if back_to_back(network, arc) {
+                orders[a] = ArcOrder::Paper;
+                arc.corners.iter().for_each(|&c| rungs[c] = Rung::Paper);
+            }
+        }
         let mut corners: Vec<Option<CornerBuild>> = network.corners.iter().map(|_| None).collect();
         let mut arcs: Vec<Option<ArcBuild>> = network.arcs.iter().map(|_| None).collect();
         loop {
             // Only what is new: `None` marks what has to be made again.
-            corners = (corners.into_par_iter().zip(&rungs).enumerate())
+            let results: Vec<_> = (corners.into_par_iter().zip(&rungs).enumerate())
                 .map(|(c, (old, &rung))| match old {
                     Some(build) => Ok(Some(build)),
                     None => CornerBuild::new(network, &lengths, c, rung, widths).map(Some),
                 })
-                .collect::<Result<_, BlendError>>()?;
+                .collect();
+            corners = all(results)?;
             let built: Vec<&CornerBuild> = corners.iter().flatten().collect();
-            arcs = (arcs.into_par_iter().zip(&orders).enumerate())
+            let results: Vec<_> = (arcs.into_par_iter().zip(&orders).enumerate())
                 .map(|(a, (old, &order))| match old {
                     Some(build) => Ok(Some(build)),
                     None => ArcBuild::new(network, &lengths[a], a, &built, widths, order).map(Some),
                 })
-                .collect::<Vec<Result<_, BlendError>>>()
-                .into_iter()
-                .collect::<Result<_, BlendError>>()?;
+                .collect();
+            arcs = all(results)?;
             let mut lowered = vec![false; network.corners.len()];
             let mut again = vec![false; network.arcs.len()];
             for (c, build) in corners.iter().enumerate() {
-                if let (Some(build), Rung::Degree(degree)) = (build, rungs[c]) {
-                    if build.layout.is_some() && build.poor(network, c) {
-                        rungs[c] = if degree > 1 { Rung::Degree(1) } else { Rung::Paper };
-                        lowered[c] = true;
-                    }
+                if let (Some(build), Rung::Degree(degree)) = (build, rungs[c])
+                    && build.layout.is_some()
+                    && build.poor(network, c)
+                {
+                    rungs[c] = if degree > 1 { Rung::Degree(1) } else { Rung::Paper };
+                    lowered[c] = true;
                 }
             }
             for (a, build) in arcs.iter().enumerate() {
@@ -142,6 +153,17 @@ impl CornerMaps for Correspondence {
     fn reach(&self, valence: usize) -> f64 {
         layout::regular_reach(valence)
     }
+}
+
+/// Whether the surfaces along an arc turn their backs to each other: no line meets both of them there, as along the edge of a fin.
+fn back_to_back(network: &Network, arc: &ArcCurve) -> bool {
+    let normal = |segment: usize, at| network.surfaces[segment].jet(at).normal();
+    let turned =
+        arc.samples.iter().filter(|s| match (normal(arc.left, s.left), normal(arc.right, s.right)) {
+            (Some(l), Some(r)) => l.dot(r) < LEAST_AGREEMENT,
+            _ => true,
+        });
+    turned.count() as f64 > MOST_TURNED * arc.samples.len() as f64
 }
 
 /// Step of the ladder on which a corner stands, the lowest first.
@@ -234,7 +256,7 @@ impl CornerBuild {
                 return Ok(Self { layout: Some(layout), gon, missed, paper: None });
             }
         }
-        let build = paper::corner_maps(network, lengths, corner, s, widths.inner)?;
+        let build = paper::corner_maps(network, lengths, corner, widths, index)?;
         Ok(Self { layout: None, gon: build.maps.gon.clone(), missed: Missed::default(), paper: Some(build) })
     }
 

@@ -167,7 +167,7 @@ pub(super) fn chain(
         let inverse = diagonal[k - 1].try_inverse().ok_or_else(singular)?;
         let eliminate = upper[k - 1].transpose() * inverse;
         diagonal[k] -= eliminate * upper[k - 1];
-        let earlier = &eliminate * &right[k - 1];
+        let earlier = eliminate * &right[k - 1];
         right[k] -= earlier;
     }
     for k in (0..free).rev() {

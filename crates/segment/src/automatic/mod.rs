@@ -6,8 +6,10 @@ mod merge;
 mod moves;
 mod shape;
 mod smooth;
+mod split;
 mod survey;
 
+pub use split::split_charts;
 use suture_mesh::{Topology, TriMesh};
 
 use crate::segmentation::check_mesh;
@@ -98,6 +100,8 @@ impl Segment for Automatic {
             map.lengthen(if round == 0 { 0.014 } else { 0.02 });
             now = Segmentation::from_labels_with(mesh, topology, &map.labels(), any)?;
         }
-        Segmentation::from_labels_with(mesh, topology, &now.labels, self.options.limits)
+        let charts = now.charts.len();
+        let labels = smooth::settle_corners(&shape, now.labels, charts, max_valence)?;
+        Segmentation::from_labels_with(mesh, topology, &labels, self.options.limits)
     }
 }

@@ -4,11 +4,17 @@ use super::diffusion::Diffusion;
 use super::shape::{Shape, conductance};
 use super::survey::{Surveyor, border};
 use crate::SegmentError;
-use crate::census::census;
+use crate::census::{census, is_border};
 
-/// Moves the borders by curvature: three times, every chart's indicator diffuses and every face takes the chart with the largest
-/// value. Triple corners turn to 120°, and creases hold borders because they hardly conduct. Faces around charts that would break
-/// an invariant keep their label. Returns the old labels when the objective rises by more than 0.05.
+/// Scales of the smoothing, coarse to fine: a border moves only where it travels about an edge per step, so that long shallow bends
+/// need a long scale; a short one finds the corners' places.
+const SCALES: [f64; 3] = [0.04, 0.02, 0.012];
+/// Steps per scale.
+const STEPS: usize = 3;
+
+/// Moves the borders by curvature, on several scales: every chart's indicator diffuses and every face takes the chart with the
+/// largest value. Triple corners turn to 120°, and creases hold borders because they hardly conduct. Faces around charts that would
+/// break an invariant keep their label. A scale after which the objective is higher by more than 0.05 is taken back.
 ///
 /// # References
 /// Merriman, Bence, Osher, "Motion of multiple junctions: a level set approach", Journal of Computational Physics 112, 1994.
@@ -18,13 +24,60 @@ pub(super) fn smooth_borders(
     charts: usize,
     max_valence: usize,
 ) -> Result<Vec<u32>, SegmentError> {
-    let step = f64::max(0.012, 1.3 * shape.median_edge);
+    let finest = 1.3 * shape.median_edge;
+    let mut labels = labels;
+    for (k, scale) in SCALES.into_iter().enumerate() {
+        // Scales below the mesh's own are one.
+        if k > 0 && SCALES[k - 1] <= finest {
+            break;
+        }
+        let last = k + 1 == SCALES.len() || scale <= finest;
+        labels = smooth_at(
+            shape,
+            labels,
+            charts,
+            max_valence,
+            scale.max(finest),
+            !last,
+            if last { 0.05 } else { 0.5 },
+        )?;
+    }
+    Ok(labels)
+}
+
+/// How much the objective may rise for corners of 120°: sharp corners fold every blend, short arcs only make it narrow.
+const SETTLING: f64 = 2.0;
+
+/// Turns the corners to 120° at the scale of the blends, whatever that costs in lengths of arcs.
+pub(super) fn settle_corners(
+    shape: &Shape,
+    labels: Vec<u32>,
+    charts: usize,
+    max_valence: usize,
+) -> Result<Vec<u32>, SegmentError> {
+    let finest = 1.3 * shape.median_edge;
+    let mut labels = labels;
+    for scale in [0.03, 0.015] {
+        labels = smooth_at(shape, labels, charts, max_valence, f64::max(scale, finest), false, SETTLING)?;
+    }
+    Ok(labels)
+}
+
+fn smooth_at(
+    shape: &Shape,
+    labels: Vec<u32>,
+    charts: usize,
+    max_valence: usize,
+    step: f64,
+    pinned: bool,
+    price: f64,
+) -> Result<Vec<u32>, SegmentError> {
     let conductances: Vec<f64> = (0..shape.lengths.len())
         .map(|h| conductance(shape.lengths[h], shape.spans[h]) * (1.0 - 0.98 * shape.creases[h]))
         .collect();
     let diffusion = Diffusion::new(shape.topology, &shape.areas, &conductances, step * step)?;
     let mut new = labels.clone();
-    for _ in 0..3 {
+    for _ in 0..STEPS {
         let mut best = vec![(f64::NEG_INFINITY, 0u32); new.len()];
         for r in 0..charts as u32 {
             let u = diffusion.smooth(new.iter().map(|&l| f64::from(u8::from(l == r))));
@@ -40,31 +93,149 @@ pub(super) fn smooth_borders(
         for (label, best) in new.iter_mut().zip(best) {
             *label = best.1;
         }
+        if pinned {
+            near_corners(shape, &before, charts, step).into_iter().for_each(|f| new[f] = before[f]);
+        }
         repair(shape, &before, &mut new, charts, max_valence);
     }
     let mut surveyor = Surveyor::new(shape, max_valence);
     let mut objective =
         |labels: &[u32]| surveyor.survey(labels, &border(shape, labels), charts).map(|s| s.objective);
     Ok(match (objective(&labels), objective(&new)) {
-        (Some(old), Some(after)) if after <= old + 0.05 => new,
+        (Some(old), Some(after)) if after <= old + price => new,
         _ => labels,
     })
 }
 
-/// Undoes the changes of faces whose old or new chart is invalid, until all charts are valid or nothing is left to undo.
+/// The faces within `radius` of a corner.
+fn near_corners(shape: &Shape, labels: &[u32], charts: usize, radius: f64) -> Vec<usize> {
+    let census = census(shape.topology, labels, charts);
+    let corners: Vec<glam::DVec3> =
+        (0..census.sectors.len()).filter(|&v| census.sectors[v] >= 3).map(|v| shape.positions[v]).collect();
+    (0..labels.len())
+        .filter(|&f| corners.iter().any(|c| c.distance_squared(shape.centroids[f]) < radius * radius))
+        .collect()
+}
+
+/// Rounds of local repairs before all changes of the charts concerned are undone.
+const LOCAL_ROUNDS: usize = 30;
+
+/// Undoes changes until all charts are valid or nothing is left to undo: first around pinches, crowded vertices and stray pieces,
+/// then those of all faces whose old or new chart is still invalid.
 fn repair(shape: &Shape, before: &[u32], new: &mut [u32], charts: usize, max_valence: usize) {
+    let mut local = 0;
     loop {
         let census = census(shape.topology, new, charts);
         let bad: Vec<bool> = census.charts.iter().map(|c| !c.is_valid(max_valence)).collect();
-        let mut undone = false;
-        for (new, &old) in new.iter_mut().zip(before) {
-            if *new != old && (bad[*new as usize] || bad[old as usize]) {
-                *new = old;
-                undone = true;
-            }
-        }
-        if !undone {
+        if !bad.contains(&true) {
             return;
         }
+        let mut undo = Vec::new();
+        if local < LOCAL_ROUNDS {
+            local += 1;
+            undo.extend(around_defects(shape, before, new, &census.sectors, max_valence));
+            undo.extend(strays(shape, before, new, charts));
+        }
+        if undo.is_empty() {
+            undo.extend(
+                (0..new.len())
+                    .filter(|&f| new[f] != before[f] && (bad[new[f] as usize] || bad[before[f] as usize])),
+            );
+        }
+        if undo.is_empty() {
+            return;
+        }
+        undo.into_iter().for_each(|f| new[f] = before[f]);
     }
+}
+
+/// The changed faces nearest to the vertices where a chart meets itself or too many charts meet.
+fn around_defects(
+    shape: &Shape,
+    before: &[u32],
+    new: &[u32],
+    sectors: &[u32],
+    max_valence: usize,
+) -> Vec<usize> {
+    let topology = shape.topology;
+    let mut faces = Vec::new();
+    let mut around = Vec::new();
+    for v in 0..topology.vertex_count() as u32 {
+        if sectors[v as usize] < 2 {
+            continue;
+        }
+        around.clear();
+        around.extend(
+            topology.outgoing(v).filter(|&h| is_border(topology, new, h)).map(|h| new[h as usize / 3]),
+        );
+        around.sort_unstable();
+        let pinched = around.windows(2).any(|pair| pair[0] == pair[1]);
+        if !pinched && sectors[v as usize] as usize <= max_valence {
+            continue;
+        }
+        let ring: Vec<usize> = topology.outgoing(v).map(|h| h as usize / 3).collect();
+        let changed = |faces: &[usize]| -> Vec<usize> {
+            faces.iter().copied().filter(|&f| new[f] != before[f]).collect()
+        };
+        let mut near = changed(&ring);
+        if near.is_empty() {
+            let wider: Vec<usize> = ring
+                .iter()
+                .flat_map(|&f| 3 * f as u32..3 * f as u32 + 3)
+                .flat_map(|h| topology.outgoing(topology.tail(h)).map(|g| g as usize / 3).collect::<Vec<_>>())
+                .collect();
+            near = changed(&wider);
+        }
+        faces.extend(near);
+    }
+    faces
+}
+
+/// The changes that tore pieces off charts: of every piece but the largest the changed faces, and those beside it that it lost.
+fn strays(shape: &Shape, before: &[u32], new: &[u32], charts: usize) -> Vec<usize> {
+    let topology = shape.topology;
+    let mut piece = vec![usize::MAX; new.len()];
+    let mut pieces: Vec<Vec<usize>> = Vec::new();
+    let mut largest: Vec<Option<usize>> = vec![None; charts];
+    for start in 0..new.len() {
+        if piece[start] != usize::MAX {
+            continue;
+        }
+        let mut members = vec![start];
+        piece[start] = pieces.len();
+        let mut done = 0;
+        while done < members.len() {
+            let f = members[done];
+            done += 1;
+            for h in 3 * f as u32..3 * f as u32 + 3 {
+                let Some(g) = topology.opposite(h).map(|o| o as usize / 3) else { continue };
+                if new[g] == new[start] && piece[g] == usize::MAX {
+                    piece[g] = pieces.len();
+                    members.push(g);
+                }
+            }
+        }
+        let most = &mut largest[new[start] as usize];
+        if most.is_none_or(|k: usize| pieces[k].len() < members.len()) {
+            *most = Some(pieces.len());
+        }
+        pieces.push(members);
+    }
+    let mut undo = Vec::new();
+    for (k, members) in pieces.iter().enumerate() {
+        let chart = new[members[0]];
+        if largest[chart as usize] == Some(k) {
+            continue;
+        }
+        for &f in members {
+            if new[f] != before[f] {
+                undo.push(f);
+            }
+            let beside = (3 * f as u32..3 * f as u32 + 3)
+                .filter_map(|h| topology.opposite(h).map(|o| o as usize / 3))
+                .filter(|&g| new[g] != chart && before[g] == chart);
+            undo.extend(beside);
+        }
+    }
+    undo
 }

@@ -120,9 +120,16 @@ pub(crate) struct Shape {
     /// Step along the second differences by which points of arcs are moved
     #[arg(long, value_name = "FACTOR")]
     pub(crate) d_curv: Option<f64>,
-    /// Root mean square distance that fits aim at
+    /// How blends find the points that belong together; without it: correspondence for fidelity, paper for fillets
+    #[arg(long, value_enum)]
+    pub(crate) maps: Option<Maps>,
+    /// Root mean square distance from the mesh: segments that miss it are split; given here it also wins against the judgement that the
+    /// rest is noise (without it: 0.001)
     #[arg(long, value_name = "LENGTH")]
     pub(crate) tolerance: Option<f64>,
+    /// How many times segments may be split that fold, miss the tolerance or cannot be blended; 0 keeps the segmentation as it is
+    #[arg(long, value_name = "N", default_value_t = suture::Splits::default().rounds)]
+    pub(crate) splits: usize,
     /// Order of the fairness energy: 3, or 2 as in the paper
     #[arg(long, value_name = "ORDER", default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
     pub(crate) energy: u8,
@@ -148,6 +155,15 @@ pub(crate) enum Intent {
     Fidelity,
     /// Blends twice as wide inside: edges become fillets
     Fillet,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Maps {
+    /// Points on one line across the shape
+    Correspondence,
+    /// Points at equal distances from the arcs in either chart, as in the paper
+    Paper,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, Default, Serialize)]

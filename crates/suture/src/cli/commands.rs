@@ -7,7 +7,8 @@ use suture::blend::{Intent, WidthOptions};
 use suture::mesh::{Topology, TriMesh, shapes};
 use suture::segment::write_labels;
 use suture::{
-    Fairness, ReconstructOptions, Report, Stages, SutureError, Watch, reconstruct, repair_all, samples,
+    Fairness, ReconstructOptions, Report, Splits, Stages, SutureError, Watch, reconstruct, repair_all,
+    samples,
 };
 
 use super::args::{self, Args, Command};
@@ -117,9 +118,9 @@ fn reconstruct_command(
         segment: input::segmentation(&a.segmentation)?,
         parameterize: input::parameterization(&a.shape),
         fit: Box::new(input::fit(&a.shape)?),
-        ..Stages::default()
+        maps: input::maps(&a.shape),
     };
-    let options = options(&a.shape);
+    let options = options(a);
     let progress = Progress::new(common.quiet);
     let result = reconstruct(&mesh, &stages, &options, &progress)?;
     report.describe_reconstruction(&result, mesh.diagonal());
@@ -141,7 +142,8 @@ fn reconstruct_command(
     Ok(report.holds())
 }
 
-fn options(shape: &args::Shape) -> ReconstructOptions {
+fn options(a: &args::Reconstruct) -> ReconstructOptions {
+    let shape = &a.shape;
     let mut options = ReconstructOptions::default();
     let default = WidthOptions::default();
     options.widths = WidthOptions {
@@ -155,6 +157,10 @@ fn options(shape: &args::Shape) -> ReconstructOptions {
         d_curv: shape.d_curv.unwrap_or(default.d_curv),
         ..default
     };
+    // Whoever brings segments wants to keep them: they are split only where there is no other way.
+    let given = a.segmentation.labels.is_some() || a.segmentation.waypoints.is_some();
+    let tolerance = shape.tolerance.or(options.splits.tolerance).filter(|_| !given);
+    options.splits = Splits { rounds: shape.splits, tolerance };
     if shape.edge_arcs {
         options.fair = Fairness::Edges;
     }

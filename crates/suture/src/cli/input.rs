@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use suture::fit::{EnergyOrder, FitOptions, Mode, PenalizedLeastSquares, Smoothing};
+use suture::blend::{CornerMaps, Correspondence, PaperMaps};
+use suture::fit::{EnergyOrder, FitOptions, Mode, PenalizedLeastSquares, Smoothing, Tolerance};
 use suture::mesh::TriMesh;
 use suture::param::{Lscm, Parameterize, Recommended, Spectral};
 use suture::segment::{
@@ -56,8 +57,8 @@ pub(crate) fn parameterization(args: &args::Shape) -> Box<dyn Parameterize + Syn
 pub(crate) fn fit(args: &args::Shape) -> Result<PenalizedLeastSquares, SutureError> {
     let mut options = FitOptions::default();
     if let Some(rms) = args.tolerance {
-        options.tolerance.rms = rms;
-        options.tolerance.max = 5.0 * rms;
+        // Blends lie a little farther off than the fits they are made of.
+        options.tolerance = Tolerance { rms: 0.2 * rms, max: rms };
         options.mode = Mode::Tolerance;
     }
     if args.energy == 2 {
@@ -72,4 +73,14 @@ pub(crate) fn fit(args: &args::Shape) -> Result<PenalizedLeastSquares, SutureErr
         })?,
     };
     Ok(PenalizedLeastSquares { options })
+}
+
+pub(crate) fn maps(args: &args::Shape) -> Box<dyn CornerMaps> {
+    let fillet = matches!(args.intent, args::Intent::Fillet);
+    match args.maps {
+        Some(args::Maps::Correspondence) => Box::new(Correspondence::default()),
+        Some(args::Maps::Paper) => Box::new(PaperMaps),
+        None if fillet => Box::new(PaperMaps),
+        None => Box::new(Correspondence::default()),
+    }
 }

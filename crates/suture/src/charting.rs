@@ -1,0 +1,142 @@
+//! Segments to B-splines: collars, charts and fits, and which of them had better be split.
+
+use rayon::prelude::*;
+use suture_fit::{Fit, FitInput, FitSurface, Outcome};
+use suture_mesh::{Topology, TriMesh};
+use suture_param::{Chart, CollarOptions, Limits, Parameterize, disc_with_collar};
+use suture_segment::Segmentation;
+
+use crate::{SutureError, Watch};
+
+/// Most rings of a collar: a bound for meshes whose triangles are tiny against the width of the blends.
+const MAX_RINGS: usize = 12;
+
+/// Parts of the wanted collar that are tried in turn; the last one is a single ring.
+const COLLARS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
+
+/// Residual (relative to the diagonal) up to which a fit is good enough to keep a collar.
+const GOOD_FIT: f64 = 5e-4;
+
+/// What the charting of all segments shares, measured once.
+#[derive(Clone, Copy)]
+pub(crate) struct Charting<'a> {
+    pub(crate) mesh: &'a TriMesh,
+    pub(crate) topology: &'a Topology,
+    pub(crate) segmentation: &'a Segmentation,
+    pub(crate) parameterize: &'a (dyn Parameterize + Sync),
+    pub(crate) fit: &'a (dyn FitSurface + Sync),
+    /// Dihedral angle that collars do not cross.
+    pub(crate) sharp: f64,
+    pub(crate) diagonal: f64,
+    /// Median edge length.
+    pub(crate) edge: f64,
+}
+
+/// A segment with its chart, its B-spline, and how far outside the segment that may be used.
+#[derive(Debug)]
+pub(crate) struct Charted {
+    pub(crate) chart: Chart,
+    pub(crate) fit: Fit,
+    pub(crate) reach: f64,
+}
+
+/// Share of a segment's residual that both of its parts must undercut for the split to be kept: noise stays what it is however
+/// small the parts.
+const WORTH: f64 = 0.8;
+
+impl Charted {
+    /// Whether the segment had better be split: its chart folds, or its fit misses the tolerance.
+    pub(crate) fn poor(&self, tolerance: f64) -> bool {
+        self.chart.distortion.flips > 0 || self.fit.report.rms > tolerance
+    }
+
+    /// Whether two parts fit better than this whole.
+    pub(crate) fn worse_than(&self, parts: [&Charted; 2]) -> bool {
+        let folds = |c: &Charted| c.chart.distortion.flips > 0;
+        let better = parts.iter().all(|part| part.fit.report.rms < WORTH * self.fit.report.rms);
+        !parts.iter().any(|part| folds(part)) && (better || folds(self))
+    }
+}
+
+/// Charts and fits every segment that has none yet.
+///
+/// # Errors
+/// [`SutureError::Chart`], [`SutureError::Fit`], [`SutureError::Interrupted`].
+pub(crate) fn chart_all(
+    context: &Charting<'_>,
+    known: Vec<Option<Charted>>,
+    collars: &[f64],
+    watch: &dyn Watch,
+) -> Result<Vec<Charted>, SutureError> {
+    let charted: Vec<_> = known
+        .into_par_iter()
+        .enumerate()
+        .map(|(s, known)| {
+            if watch.interrupted() {
+                return Err(SutureError::Interrupted);
+            }
+            let charted = match known {
+                Some(known) => known,
+                None => chart(context, s, collars[s])?,
+            };
+            watch.step();
+            Ok(charted)
+        })
+        .collect();
+    // In the order of the segments, so that of several errors the first one is reported.
+    charted.into_iter().collect()
+}
+
+/// Cuts, flattens and fits a segment with the widest collar that can be fitted well: a collar that runs into a cavity or over a
+/// tip spoils the whole chart (spot: residuals of 3e-3 with three rings, 3e-4 with one).
+fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted, SutureError> {
+    let mut best: Option<(f64, Charted)> = None;
+    let mut failure = None;
+    for part in COLLARS {
+        match collared(context, segment, part * collar) {
+            Ok(charted) => {
+                let report = &charted.fit.report;
+                let sound = report.guard.passed() && charted.chart.distortion.accepted;
+                if sound && (report.outcome == Outcome::Tolerance || report.rms <= GOOD_FIT) {
+                    return Ok(charted);
+                }
+                let score = report.rms * if sound { 1.0 } else { UNSOUND };
+                if best.as_ref().is_none_or(|(least, _)| score < *least) {
+                    best = Some((score, charted));
+                }
+            }
+            Err(error) => failure = failure.or(Some(error)),
+        }
+    }
+    match (best, failure) {
+        (Some((_, charted)), _) => Ok(charted),
+        (None, Some(error)) => Err(error),
+        (None, None) => Err(SutureError::Internal { what: format!("segment {segment} was not charted") }),
+    }
+}
+
+/// Residuals of charts with flipped samples or too much distortion count this much more.
+const UNSOUND: f64 = 4.0;
+
+fn collared(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted, SutureError> {
+    let Charting { mesh, topology, segmentation, parameterize, fit, .. } = *context;
+    let wrong = |source| SutureError::Chart { segment, source };
+    let collar_options = CollarOptions { width: collar, max_rings: MAX_RINGS, sharp: context.sharp };
+    let disc = disc_with_collar(mesh, topology, &segmentation.charts[segment].faces, &collar_options)
+        .map_err(wrong)?;
+    let chart = Chart::flatten(disc, &parameterize, &Limits::default()).map_err(wrong)?;
+    // A crease or a handle may stop the collar short: there the B-spline continues on its own.
+    // Half a knot spacing, about an edge, it does so without harm.
+    let reach = collar.max(chart.disc.reach.unwrap_or(0.0)).max(context.edge);
+    let input = FitInput {
+        points: &chart.disc.positions,
+        params: &chart.uv,
+        triangles: &chart.disc.faces,
+        in_segment: &chart.disc.in_segment,
+        diagonal: context.diagonal,
+        reach,
+    };
+    let fit = fit.fit(&input).map_err(|source| SutureError::Fit { segment, source })?;
+    let chart = chart.with_uv(fit.params.clone()).map_err(wrong)?;
+    Ok(Charted { chart, fit, reach })
+}
