@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use suture::mesh::{TriMesh, io};
 use suture::segment::{Labels, Segment, read_labels};
-use suture::{ReconstructOptions, Reconstruction, Stages, SutureError, Unwatched, reconstruct};
+use suture::{ReconstructOptions, Reconstruction, Splits, Stages, SutureError, Unwatched, reconstruct};
 
 /// The project's own test data.
 pub fn own(path: &str) -> PathBuf {
@@ -39,13 +39,22 @@ pub fn labels(path: &Path) -> Labels {
     Labels(read_labels(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display())))
 }
 
-/// Reconstructs with defaults.
+/// Reconstructs with the segments of `segment`, split only where there is no other way.
 ///
 /// # Errors
 /// Those of the reconstruction.
 pub fn run(mesh: &TriMesh, segment: Box<dyn Segment>) -> Result<Reconstruction, SutureError> {
-    let stages = Stages { segment, ..Stages::default() };
-    reconstruct(mesh, &stages, &ReconstructOptions::default(), &Unwatched)
+    let splits = Splits { tolerance: None, ..Splits::default() };
+    let options = ReconstructOptions { splits, ..ReconstructOptions::default() };
+    reconstruct(mesh, &Stages { segment, ..Stages::default() }, &options, &Unwatched)
+}
+
+/// Reconstructs with defaults.
+///
+/// # Errors
+/// Those of the reconstruction.
+pub fn run_automatic(mesh: &TriMesh) -> Result<Reconstruction, SutureError> {
+    reconstruct(mesh, &Stages::default(), &ReconstructOptions::default(), &Unwatched)
 }
 
 /// Applies `f` to every position.

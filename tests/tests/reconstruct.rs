@@ -3,10 +3,10 @@
 use glam::DVec3;
 use suture::certify::deviation;
 use suture::mesh::TriMesh;
-use suture::segment::{Automatic, Labels};
+use suture::segment::Labels;
 use suture::surface::{Continuity, PatchKind};
 use suture::{Reconstruction, mesh::check, samples};
-use suture_tests::{PAPER, labels, mapped, mesh, own, run, shared};
+use suture_tests::{PAPER, labels, mapped, mesh, own, run, run_automatic, shared};
 
 /// What every reconstruction must fulfil.
 #[track_caller]
@@ -39,19 +39,18 @@ fn paper_shapes_with_labels() {
 fn paper_shapes_without_labels() {
     for (name, ..) in PAPER {
         let input = mesh(&own(&format!("paper/{name}.obj")));
-        let r = run(&input, Box::<Automatic>::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let r = run_automatic(&input).unwrap_or_else(|e| panic!("{name}: {e}"));
         check_whole(name, &input, &r);
     }
 }
 
-#[test]
-fn a_sphere_is_a_sphere() {
-    let (Some(file), Some(label)) = (shared("good/sphere.obj"), shared("labels/sphere.cube6.labels")) else {
-        return;
-    };
+/// Compares every tessellation vertex with a closed form that gives the distance from the true surface and its mean curvature.
+#[track_caller]
+fn check_closed_form(file: &str, label: &str, truth: impl Fn(DVec3) -> (f64, f64)) {
+    let (Some(file), Some(label)) = (shared(file), shared(label)) else { return };
     let input = mesh(&file);
     let r = run(&input, Box::new(labels(&label))).unwrap();
-    check_whole("sphere", &input, &r);
+    check_whole(&file.display().to_string(), &input, &r);
     for (p, patch) in r
         .tessellation
         .corner_parameters
@@ -59,10 +58,30 @@ fn a_sphere_is_a_sphere() {
         .flatten()
         .zip(r.tessellation.triangle_patch.iter().flat_map(|id| [id; 3]))
     {
-        let jet = r.blend.surface.patch(*patch).unwrap().jet(*p);
-        let deviation = (jet.p.length() - 1.0).abs() / input.diagonal();
-        assert!(deviation <= 1e-4, "{deviation:e}");
+        let j = r.blend.surface.patch(*patch).unwrap().jet(*p);
+        let (distance, curvature) = truth(j.p);
+        assert!(distance.abs() <= 1e-4 * input.diagonal(), "{distance:e}");
+        let n = j.normal().unwrap();
+        let (e, f, g) = (j.du.dot(j.du), j.du.dot(j.dv), j.dv.dot(j.dv));
+        let (l, m, k) = (j.duu.dot(n), j.duv.dot(n), j.dvv.dot(n));
+        let mean = -0.5 * (e * k - 2.0 * f * m + g * l) / (e * g - f * f);
+        assert!((mean / curvature - 1.0).abs() <= 0.05, "{patch:?} at {p}: {mean} for {curvature}");
     }
+}
+
+#[test]
+fn a_sphere_is_a_sphere() {
+    check_closed_form("good/sphere.obj", "labels/sphere.cube6.labels", |x| (x.length() - 1.0, 1.0));
+}
+
+#[test]
+fn a_torus_is_a_torus() {
+    check_closed_form("good/torus.obj", "labels/torus.grid8.labels", |x| {
+        let (major, minor) = (1.0, 0.25);
+        let around = x.x.hypot(x.z);
+        let tube = (around - major).hypot(x.y);
+        (tube - minor, 0.5 * (1.0 / minor + (around - major) / tube / around))
+    });
 }
 
 #[test]
@@ -99,13 +118,13 @@ fn tetrahedron() -> (TriMesh, Labels) {
 fn scaling_by_powers_of_two_scales_the_result() {
     let (input, given) = tetrahedron();
     let r = run(&input, Box::new(given.clone())).unwrap();
-    let auto = run(&input, Box::<Automatic>::default()).unwrap();
+    let auto = run_automatic(&input).unwrap();
     for scale in [2.0_f64.powi(20), 2.0_f64.powi(-20)] {
         let scaled = mapped(&input, |p| p * scale);
         let s = run(&scaled, Box::new(given.clone())).unwrap();
         let d = distance(&r, &s, |p| p * scale);
         assert!(d <= 1e-9, "with labels, scale {scale:e}: {d:e}");
-        let s = run(&scaled, Box::<Automatic>::default()).unwrap();
+        let s = run_automatic(&scaled).unwrap();
         let d = distance(&auto, &s, |p| p * scale);
         assert!(d <= 1e-9, "without labels, scale {scale:e}: {d:e}");
     }

@@ -4,9 +4,9 @@
 
 use std::time::Instant;
 
-use suture::segment::{Automatic, Segment};
+use suture::segment::Labels;
 use suture::surface::PatchKind;
-use suture_tests::{PAPER, labels, mesh, own, run, shared};
+use suture_tests::{PAPER, labels, mesh, own, run, run_automatic, shared};
 
 /// Meshes of the collection and the labels given for them, by hand and by another program.
 const GIVEN: [(&str, &str); 8] = [
@@ -38,39 +38,39 @@ fn main() {
         "| case | segments | N-blends | strips | merged patches | rms % | max % | position | normal | curvature | Jacobian | width % | largest curvature | topology | s |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
-    let case = |name: String, file: std::path::PathBuf, segment: Box<dyn Segment>| {
+    let case = |name: String, file: std::path::PathBuf, given: Option<Labels>| {
         if wanted.is_empty() || wanted.iter().any(|w| name.contains(w.as_str())) {
-            row(&name, &file, segment);
+            row(&name, &file, given);
         }
     };
     for (name, ..) in PAPER {
         let file = own(&format!("paper/{name}.obj"));
-        case(
-            format!("{name}, labels"),
-            file.clone(),
-            Box::new(labels(&own(&format!("paper/{name}.labels")))),
-        );
-        case(format!("{name}, automatic"), file, Box::<Automatic>::default());
+        case(format!("{name}, labels"), file.clone(), Some(labels(&own(&format!("paper/{name}.labels")))));
+        case(format!("{name}, automatic"), file, None);
     }
     for (file, label) in GIVEN {
         if let (Some(file), Some(path)) = (shared(file), shared(label)) {
-            case(format!("{label}, given"), file, Box::new(labels(&path)));
+            case(format!("{label}, given"), file, Some(labels(&path)));
         }
     }
     for file in AUTO {
         let stem = file.split('.').next().unwrap_or(file);
         let Some(path) = shared(&format!("good/{file}")) else { continue };
         if let Some(label) = shared(&format!("labels_auto/{stem}.labels")) {
-            case(format!("{stem}, labels_auto"), path.clone(), Box::new(labels(&label)));
+            case(format!("{stem}, labels_auto"), path.clone(), Some(labels(&label)));
         }
-        case(format!("{stem}, automatic"), path, Box::<Automatic>::default());
+        case(format!("{stem}, automatic"), path, None);
     }
 }
 
-fn row(name: &str, file: &std::path::Path, segment: Box<dyn Segment>) {
+fn row(name: &str, file: &std::path::Path, given: Option<Labels>) {
     let input = mesh(file);
     let start = Instant::now();
-    let r = match run(&input, segment) {
+    let result = match given {
+        Some(labels) => run(&input, Box::new(labels)),
+        None => run_automatic(&input),
+    };
+    let r = match result {
         Ok(r) => r,
         Err(e) => {
             println!("| {name} | {e} |");
