@@ -67,9 +67,9 @@ fn noise_is_recognised_and_estimated() {
     let chart = Chart::disc(41, 0.25, sphere).noisy(0.002, 5, false);
     let f = fit(&chart.input(), &FitOptions::default()).unwrap();
     assert_eq!(f.report.outcome, Outcome::Noise);
-    // These parameters do not follow the tangential noise: all three coordinates remain in the residual.
-    let sigma = f.report.sigma.unwrap() / 3f64.sqrt();
-    assert!((0.9..1.1).contains(&(sigma / 0.002)), "{sigma}");
+    // The correction takes most of the tangential noise with it: of the three coordinates little more than one remains.
+    let sigma = f.report.sigma.unwrap();
+    assert!((0.9..1.3).contains(&(sigma / 0.002)), "{sigma}");
     let tight = FitOptions { mode: Mode::Tolerance, ..FitOptions::default() };
     let g = fit(&chart.input(), &tight).unwrap();
     assert!(g.report.rms < 0.8 * f.report.rms && g.report.lambda < f.report.lambda, "{:?}", g.report);

@@ -33,11 +33,11 @@ fn check(name: &str, charts: usize, width: f64) {
 #[test]
 fn organic_shapes() {
     for (name, charts, width) in [
-        ("spot.obj", 12, 0.02),
-        ("fish.obj", 10, 0.02),
-        ("hand.off", 20, 0.018),
-        ("knot1.off", 30, 0.02),
-        ("eight.off", 20, 0.02),
+        ("spot.obj", 12, 0.008),
+        ("fish.obj", 10, 0.012),
+        ("hand.off", 20, 0.012),
+        ("knot1.off", 30, 0.012),
+        ("eight.off", 20, 0.012),
     ] {
         check(&format!("good/{name}"), charts, width);
     }
@@ -52,7 +52,7 @@ fn a_cow() {
 #[test]
 fn mechanical_shapes() {
     for (name, charts, width) in
-        [("wingnut.obj", 14, 0.02), ("anchor_dense.off", 30, 0.015), ("part.off", 14, 0.015)]
+        [("wingnut.obj", 14, 0.011), ("anchor_dense.off", 30, 0.015), ("part.off", 14, 0.012)]
     {
         check(&format!("good/{name}"), charts, width);
     }

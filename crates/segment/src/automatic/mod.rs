@@ -102,6 +102,10 @@ impl Segment for Automatic {
         }
         let charts = now.charts.len();
         let labels = smooth::settle_corners(&shape, now.labels, charts, max_valence)?;
-        Segmentation::from_labels_with(mesh, topology, &labels, self.options.limits)
+        let settled = Segmentation::from_labels_with(mesh, topology, &labels, any)?;
+        // What became too short for any blend is merged away.
+        let mut map = Map::new(&shape, flatten, &settled);
+        map.lengthen(0.012);
+        Segmentation::from_labels_with(mesh, topology, &map.labels(), self.options.limits)
     }
 }
