@@ -279,9 +279,21 @@ fn parameters(charted: &Charted, start: u32, line: &[MeshPoint], tolerance: f64)
                 .copies(point.face)
                 .map(|copy| chart.at(copy, point.barycentric))
                 .min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)));
-            at = foot_point(&fit.surface, point.position, known.unwrap_or(at));
-            let found = known.is_some()
-                || fit.cells.covers(at) && fit.surface.jet(at).p.distance(point.position) <= tolerance;
+            let foot = foot_point(&fit.surface, point.position, known.unwrap_or(at));
+            let inside = fit.cells.covers(foot);
+            at = match known {
+                // A foot point that strays says less than the triangle does.
+                Some(known) => {
+                    if inside {
+                        foot
+                    } else {
+                        known
+                    }
+                }
+                None => foot,
+            };
+            let found =
+                known.is_some() || inside && fit.surface.jet(at).p.distance(point.position) <= tolerance;
             found.then_some(at)
         })
         .collect()
