@@ -140,10 +140,10 @@ fn a_failed_command_reports_its_error() {
 /// Longest time that any bad file may take, in the unoptimised test build on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-#[track_caller]
 /// Scans whose reconstruction takes a minute or two and ends in an error.
 const SLOW: [&str; 1] = ["boeing.off"];
 
+#[track_caller]
 fn check_bad(file: &Path, folder: &Path) {
     for command in ["check", "reconstruct"] {
         let start = Instant::now();
