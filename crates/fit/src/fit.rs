@@ -284,7 +284,10 @@ impl Round {
         }
         let before = (self.guard, self.lambda, self.net.clone(), self.rms);
         for increases in 1..=GUARD_INCREASES {
-            self.refit(chart, self.lambda * 10.0)?;
+            // So stiff an energy may leave nothing of few data: then this was the last increase.
+            if self.refit(chart, self.lambda * 10.0).is_err() {
+                break;
+            }
             self.guard = GuardReport { increases, ..look(self) };
             self.measure(chart);
             if self.guard.passed() || self.rms > GUARD_PRICE * before.3 {
