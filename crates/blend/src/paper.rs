@@ -202,6 +202,30 @@ impl Layout {
     }
 }
 
+/// Length that the `reach` of both corners leaves for the chain of an arc of length `total`, for a mean width `mean`.
+///
+/// # Errors
+/// [`BlendError::ArcTooShort`] where no strip fits.
+pub(crate) fn room(
+    network: &Network,
+    index: usize,
+    total: f64,
+    reach: [f64; 2],
+    mean: f64,
+) -> Result<f64, BlendError> {
+    let available = total - reach[0] - reach[1];
+    if available < SHORTEST_CHAIN * mean {
+        let needed = (reach[0] + reach[1]) / mean + SHORTEST_CHAIN;
+        return Err(BlendError::ArcTooShort {
+            arc: index,
+            corners: network.arcs[index].corners,
+            length: total / network.diagonal,
+            limit: total / needed / network.diagonal,
+        });
+    }
+    Ok(available)
+}
+
 /// A node of a chain in one chart: the cross line with its derivatives, and the point of the arc that it stands for.
 struct ChainNode {
     node: Node,
@@ -224,17 +248,7 @@ pub(crate) fn chain(
     let slots = [slot(0), slot(1)];
     let reach = [0, 1].map(|e| ends[e].connections[slots[e]]);
     let s = [0, 1].map(|e| widths.corner[arc.corners[e]]);
-    let available = total - reach[0] - reach[1];
-    let mean = 0.5 * (s[0] + s[1]);
-    if available < SHORTEST_CHAIN * mean {
-        let needed = (reach[0] + reach[1]) / mean + SHORTEST_CHAIN;
-        return Err(BlendError::ArcTooShort {
-            arc: index,
-            corners: arc.corners,
-            length: total / network.diagonal,
-            limit: total / needed / network.diagonal,
-        });
-    }
+    let available = room(network, index, total, reach, 0.5 * (s[0] + s[1]))?;
     let strips = ((available / widths.shortest[index]).floor() as usize).clamp(1, 10_000);
     let stations: Vec<f64> = (1..strips).map(|k| reach[0] + available * k as f64 / strips as f64).collect();
     let width = |at: f64| s[0] + (s[1] - s[0]) * at / total;

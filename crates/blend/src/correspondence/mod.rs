@@ -41,8 +41,6 @@ const MOST_TURNED: f64 = 0.1;
 /// Reductions of the width after which the paper's maps are tried at a corner beside which strips fold, and along an arc that folds.
 const PAPER_CORNER: u32 = 1;
 const PAPER_ARC: u32 = 3;
-/// Least length of a chain in widths: one strip a third as long as it is wide.
-const SHORTEST_CHAIN: f64 = 0.3;
 
 /// The maps of the module's documentation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -407,16 +405,7 @@ impl ArcBuild {
         });
         let s = [0, 1].map(|e| widths.corner[arc.corners[e]]);
         let mean = 0.5 * (s[0] + s[1]);
-        let available = total - ends[0].reach - ends[1].reach;
-        if available < SHORTEST_CHAIN * mean {
-            let needed = (ends[0].reach + ends[1].reach) / mean + SHORTEST_CHAIN;
-            return Err(BlendError::ArcTooShort {
-                arc: index,
-                corners: arc.corners,
-                length: total / network.diagonal,
-                limit: total / needed / network.diagonal,
-            });
-        }
+        let available = paper::room(network, index, total, [ends[0].reach, ends[1].reach], mean)?;
         let count = ((available / widths.shortest[index]).round() as usize).clamp(1, 10_000);
         let [from, to] = [ends[0].reach, total - ends[1].reach];
         let mut t: Vec<f64> = (0..=count).map(|k| from + (to - from) * k as f64 / count as f64).collect();

@@ -14,7 +14,8 @@ const STEPS: usize = 3;
 
 /// Moves the borders by curvature, on several scales: every chart's indicator diffuses and every face takes the chart with the
 /// largest value. Triple corners turn to 120°, and creases hold borders because they hardly conduct. Faces around charts that would
-/// break an invariant keep their label. A scale after which the objective is higher by more than 0.05 is taken back.
+/// break an invariant keep their label. A scale after which the objective is higher by more than 0.05 is taken back; 0.5 on the coarser
+/// scales, where the corners are held.
 ///
 /// # References
 /// Merriman, Bence, Osher, "Motion of multiple junctions: a level set approach", Journal of Computational Physics 112, 1994.
