@@ -16,7 +16,7 @@ pub(crate) struct Group {
 
 /// All groups, in the order in which they are written. The colours of the first five are those of the figures of Wagner, Hormann &
 /// Greiner (2003).
-pub(crate) const GROUPS: [Group; 10] = [
+pub(crate) const GROUPS: [Group; 12] = [
     Group { name: "trimmed", colour: [72, 118, 200] },
     Group { name: "strip_even", colour: [200, 40, 40] },
     Group { name: "strip_odd", colour: [240, 140, 130] },
@@ -26,6 +26,8 @@ pub(crate) const GROUPS: [Group; 10] = [
     Group { name: "edge", colour: [232, 163, 61] },
     Group { name: "planar", colour: [150, 163, 178] },
     Group { name: "bubble", colour: [63, 167, 150] },
+    Group { name: "fill", colour: [244, 177, 60] },
+    Group { name: "given", colour: [142, 160, 190] },
     Group { name: "other", colour: [160, 160, 160] },
 ];
 
@@ -41,7 +43,9 @@ fn group_of(kind: PatchKind) -> usize {
         PatchKind::Edge => 6,
         PatchKind::Planar => 7,
         PatchKind::Bubble { .. } => 8,
-        _ => 9,
+        PatchKind::Fill { .. } => 9,
+        PatchKind::Given => 10,
+        _ => 11,
     }
 }
 

@@ -33,6 +33,8 @@ pub(crate) fn of_kind(kind: PatchKind) -> DVec3 {
         PatchKind::Edge => 0xe8a33d,
         PatchKind::Planar => 0x96a3b2,
         PatchKind::Bubble { .. } => 0x3fa796,
+        PatchKind::Fill { .. } => 0xf4b13c,
+        PatchKind::Given => 0x8ea0be,
         _ => 0xb0b0b0,
     })
 }
@@ -41,6 +43,20 @@ pub(crate) fn of_kind(kind: PatchKind) -> DVec3 {
 /// left out at both ends: lit, they would be black.
 const DIVERGING: [u32; 9] =
     [0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b];
+
+/// Viridis (van der Walt, Smith 2015) at nine places: even steps of brightness.
+const SEQUENTIAL: [u32; 9] =
+    [0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725];
+
+/// The sequential map at `x`, clamped to `[0, 1]`; grey where `x` is not a number.
+pub(crate) fn sequential(x: f64) -> DVec3 {
+    if x.is_nan() {
+        return linear(0x808080);
+    }
+    let t = x.clamp(0.0, 1.0) * 8.0;
+    let i = (t as usize).min(7);
+    linear(SEQUENTIAL[i]).lerp(linear(SEQUENTIAL[i + 1]), t - i as f64)
+}
 
 /// The diverging map at `x`, clamped to `[−1, 1]`; grey where `x` is not a number.
 pub(crate) fn diverging(x: f64) -> DVec3 {
