@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 use suture_bernstein::BSplineSurface;
 use suture_surface::{Jet2, Patch, Record, SplinePool};
 
-use crate::curve::{BorderCurve, SplineCurve, curve_jet};
+use crate::curve::{BorderCurve, curve_jet};
+use crate::prepared::{Prepared, prepare_spline};
 use crate::real::Real;
 use crate::record;
-use crate::spline::{iso_curve, spline_surface};
+use crate::spline::spline_surface;
 use crate::taylor::{Enclosure, Expansion};
 
 /// A surface that a fill blends, defined over the gap: one method to write.
@@ -28,8 +29,9 @@ pub trait Constituent: Send + Sync + std::fmt::Debug {
         None
     }
 
-    /// The curve over the parameters `from + t direction`, when there is a faster way to it than through the surface.
-    fn line(&self, _from: DVec2, _direction: DVec2) -> Option<Arc<dyn BorderCurve>> {
+    /// The surface after `maps`, the first one applied first, prepared for many evaluations over one gap; `None` when there is no faster way
+    /// than through [`jet`](Self::jet).
+    fn prepare(&self, _maps: &[Map]) -> Option<Arc<dyn Prepared>> {
         None
     }
 
@@ -52,8 +54,8 @@ impl Constituent for Arc<dyn Constituent> {
         (**self).enclose(u, v)
     }
 
-    fn line(&self, from: DVec2, direction: DVec2) -> Option<Arc<dyn BorderCurve>> {
-        (**self).line(from, direction)
+    fn prepare(&self, maps: &[Map]) -> Option<Arc<dyn Prepared>> {
+        (**self).prepare(maps)
     }
 
     fn record(&self, pool: &mut SplinePool) -> Option<Record> {
@@ -79,16 +81,8 @@ impl Constituent for Spline {
         Some(spline_surface(&self.0, *u, *v))
     }
 
-    fn line(&self, from: DVec2, direction: DVec2) -> Option<Arc<dyn BorderCurve>> {
-        let axis = if direction.x == 0.0 {
-            0
-        } else if direction.y == 0.0 {
-            1
-        } else {
-            return None;
-        };
-        let curve = iso_curve(&self.0, axis, from[axis])?;
-        Some(Arc::new(SplineCurve::part(curve, from[1 - axis], direction[1 - axis])))
+    fn prepare(&self, maps: &[Map]) -> Option<Arc<dyn Prepared>> {
+        prepare_spline(&self.0, maps)
     }
 
     fn record(&self, pool: &mut SplinePool) -> Option<Record> {
@@ -263,13 +257,8 @@ impl Constituent for Mapped {
         self.inner.enclose(&a, &b)
     }
 
-    fn line(&self, from: DVec2, direction: DVec2) -> Option<Arc<dyn BorderCurve>> {
-        match self.map {
-            Map::Affine { u, v, .. } => {
-                self.inner.line(self.map.jet(from).p, u * direction.x + v * direction.y)
-            }
-            _ => None,
-        }
+    fn prepare(&self, maps: &[Map]) -> Option<Arc<dyn Prepared>> {
+        self.inner.prepare(&[maps, &[self.map]].concat())
     }
 
     fn record(&self, pool: &mut SplinePool) -> Option<Record> {

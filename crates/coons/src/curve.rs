@@ -128,11 +128,6 @@ impl SplineCurve {
         let [a, b] = curve.domain();
         Self { curve, from: a, scale: b - a }
     }
-
-    /// The curve with parameter `from + scale t`; beyond its domain the end pieces continue.
-    pub(crate) fn part(curve: BSplineCurve<DVec3>, from: f64, scale: f64) -> Self {
-        Self { curve, from, scale }
-    }
 }
 
 impl BorderCurve for SplineCurve {

@@ -108,6 +108,15 @@ pub enum CoonsError {
         /// Extent over the diagonal.
         size: f64,
     },
+    /// An order for which the three-sided formula has no theorem.
+    #[error(
+        "{asked:?} is not offered for three-sided holes, which join C0, C1, C2 or G1: the third surface is given, not reparametrised, \
+         and no condition for {asked:?} is known; ask for C2 or G1"
+    )]
+    ThreeSidedOrder {
+        /// What was asked for.
+        asked: Order,
+    },
     /// The blend functions are not flat enough for the order asked for.
     #[error("the blend is flat of order {flat}, {asked:?} needs {}; take another blend function", asked.derivatives())]
     Blend {

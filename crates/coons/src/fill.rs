@@ -14,9 +14,10 @@ use crate::constituent::{Constituent, EdgeRibbon, Map, Mapped, Reflected, Spline
 use crate::curve::{BorderCurve, CurveData};
 use crate::error::CoonsError;
 use crate::four::FourSided;
+use crate::gaps::{GapOptions, find_gaps};
 use crate::nsided::{SplitCertificate, split_hole};
 use crate::options::{FillOptions, Order};
-use crate::scene::{Extension, Geometry, Scene, SceneConstituent, SceneEdge, SceneFill};
+use crate::scene::{Extension, Geometry, Scene, SceneConstituent, SceneEdge, SceneFill, SceneSurface};
 use crate::sheet::SheetPatch;
 use crate::three::{HoleCertificate, ThreeSided};
 
@@ -53,6 +54,21 @@ pub struct Join {
     pub moved: [f64; 2],
 }
 
+impl Join {
+    /// The order that is reached, in the words of the one asked for; `None` when not even positions agree.
+    pub fn reached(&self) -> Option<Order> {
+        match &self.certificate {
+            JoinCertificate::Corners(c) => {
+                // With respect to reparametrised constituents a geometric order is the parametric one.
+                let whole = c.reached.is_some_and(|r| r.derivatives() >= self.asked.derivatives());
+                if whole { Some(self.asked) } else { c.reached }
+            }
+            JoinCertificate::Hole(c) => Some(c.reached),
+            JoinCertificate::Split(c) => Some(c.reached),
+        }
+    }
+}
+
 /// How smoothly a fill joins.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -65,11 +81,12 @@ pub enum JoinCertificate {
     Split(SplitCertificate),
 }
 
-/// Fills what a scene asks for. The order of `options` holds where a fill names none.
+/// Fills what a scene asks for. The order of `options` holds where a fill names none, its family where the scene names none.
 ///
 /// # Errors
 /// [`CoonsError::Scene`] with the place for what does not exist, and all errors of the fills.
 pub fn fill(scene: &Scene, options: &FillOptions) -> Result<FillSurface, CoonsError> {
+    let options = &FillOptions { family: scene.blend.unwrap_or(options.family), ..*options };
     let mut work = Work::new(scene)?;
     for (number, fill) in scene.fills.iter().enumerate() {
         work.fill(number, fill, options)?;
@@ -132,27 +149,11 @@ impl Work {
             })
         };
         for (name, surface) in &scene.surfaces {
-            let bad =
-                |reason: &str| CoonsError::Scene { what: format!("surface {name:?}"), reason: reason.into() };
-            let net = |source| CoonsError::Net { what: format!("surface {name:?}"), source };
-            let (sheet, own): (Sheet, Option<[DVec2; 2]>) = match &surface.geometry {
-                Geometry::Analytic(a) if a.valid() => (Arc::new(a.clone()), None),
-                Geometry::Analytic(_) => {
-                    return Err(bad("a number is not finite, or a curve has no or too many points"));
-                }
-                Geometry::Spline(s) => (Arc::new(Spline(Arc::new(s.clone()))), Some(s.domain())),
-                Geometry::Bezier(b) => {
-                    let knots = b.degree().map(|d| {
-                        (0..2 * d + 2).map(|i| if i <= d { 0.0 } else { 1.0 }).collect::<Vec<f64>>()
-                    });
-                    let s = BSplineSurface::new(b.degree(), knots, b.net().to_vec()).map_err(net)?;
-                    (Arc::new(Spline(Arc::new(s))), Some([DVec2::ZERO, DVec2::ONE]))
-                }
-            };
+            let (sheet, own) = read_surface(name, surface)?;
             let drawn = drawn(name);
             let Some(domain) = surface.domain.or(own) else {
                 if drawn {
-                    return Err(bad("an analytic surface needs a domain [[a0, b0], [a1, b1]]"));
+                    return Err(bad_surface(name, "an analytic surface needs a domain [[a0, b0], [a1, b1]]"));
                 }
                 given.insert(
                     name.clone(),
@@ -162,7 +163,7 @@ impl Work {
             };
             let patch = PatchId(patches.len() as u32);
             let sheet_patch = SheetPatch::new(Arc::clone(&sheet), domain)
-                .ok_or_else(|| bad("its domain is empty or not finite"))?;
+                .ok_or_else(|| bad_surface(name, "its domain is empty or not finite"))?;
             if drawn {
                 patches.push(Box::new(sheet_patch));
             }
@@ -387,6 +388,68 @@ impl Work {
             self.push(Box::new(wedge));
         }
         Ok(())
+    }
+}
+
+fn bad_surface(name: &str, reason: &str) -> CoonsError {
+    CoonsError::Scene { what: format!("surface {name:?}"), reason: reason.into() }
+}
+
+/// The surface as a constituent, and its own domain if it has one.
+fn read_surface(name: &str, surface: &SceneSurface) -> Result<(Sheet, Option<[DVec2; 2]>), CoonsError> {
+    let net = |source| CoonsError::Net { what: format!("surface {name:?}"), source };
+    Ok(match &surface.geometry {
+        Geometry::Analytic(a) if a.valid() => (Arc::new(a.clone()), None),
+        Geometry::Analytic(_) => {
+            return Err(bad_surface(name, "a number is not finite, or a curve has no or too many points"));
+        }
+        Geometry::Spline(s) => (Arc::new(Spline(Arc::new(s.clone()))), Some(s.domain())),
+        Geometry::Bezier(b) => {
+            let knots = b
+                .degree()
+                .map(|d| (0..2 * d + 2).map(|i| if i <= d { 0.0 } else { 1.0 }).collect::<Vec<f64>>());
+            let s = BSplineSurface::new(b.degree(), knots, b.net().to_vec()).map_err(net)?;
+            (Arc::new(Spline(Arc::new(s))), Some([DVec2::ZERO, DVec2::ONE]))
+        }
+    })
+}
+
+impl Scene {
+    /// The scene with the gaps between its surfaces as what to fill: pairs of edges that face each other, as
+    /// [`find_gaps`](crate::find_gaps) finds them. Surfaces without a domain are not looked at.
+    ///
+    /// # Errors
+    /// [`CoonsError::NoGap`]; [`CoonsError::Scene`], [`CoonsError::Net`] for surfaces that are none.
+    pub fn with_gaps(&self, options: &GapOptions) -> Result<Self, CoonsError> {
+        let (mut names, mut patches) = (Vec::new(), Vec::<Box<dyn Patch>>::new());
+        for (name, surface) in &self.surfaces {
+            let (sheet, own) = read_surface(name, surface)?;
+            let Some(domain) = surface.domain.or(own) else { continue };
+            let patch = SheetPatch::new(sheet, domain)
+                .ok_or_else(|| bad_surface(name, "its domain is empty or not finite"))?;
+            names.push(name.clone());
+            patches.push(Box::new(patch));
+        }
+        let gaps = find_gaps(&Surface::new(patches, Vec::new())?, options);
+        if gaps.is_empty() {
+            return Err(CoonsError::NoGap { edges: 4 * names.len(), limit: options.widest });
+        }
+        let edge = |e: EdgeRef| SceneEdge::new(&names[e.patch.0 as usize], e.edge as u8);
+        let fills = gaps.iter().map(|g| SceneFill::between(edge(g.a), edge(g.b))).collect();
+        Ok(Self { fills, ..self.clone() })
+    }
+
+    /// The scene with one order for everything, in place of what its fills say.
+    pub fn with_order(mut self, asked: Order) -> Self {
+        for fill in &mut self.fills {
+            match fill {
+                SceneFill::Gap { order, .. }
+                | SceneFill::FourSided { order, .. }
+                | SceneFill::ThreeSided { order, .. } => *order = Some(asked),
+                SceneFill::Hole { .. } => {}
+            }
+        }
+        self
     }
 }
 

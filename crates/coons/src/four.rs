@@ -12,6 +12,7 @@ use crate::curve::{BorderCurve, SumCurve, hermite};
 use crate::error::{CoonsError, NAMES};
 use crate::geometric;
 use crate::options::{FillOptions, Order};
+use crate::prepared::{EndSeries, Prepared};
 use crate::real::Real;
 use crate::record;
 use crate::taylor::{Expansion, partial};
@@ -29,8 +30,9 @@ type Border = Arc<dyn BorderCurve>;
 pub struct FourSided {
     pub(crate) r: [Sheet; 2],
     pub(crate) borders: [Border; 2],
-    /// Constituent `k` along `u = side`, where there is a faster way to it than through the surface: `columns[side][k]`.
-    columns: [[Option<Border>; 2]; 2],
+    /// The constituents and curves, where there is a faster way to them.
+    prepared: [Option<Arc<dyn Prepared>>; 2],
+    series: [Option<Arc<EndSeries>>; 2],
     pub(crate) alpha: Arc<dyn Blend>,
     pub(crate) beta: Arc<dyn Blend>,
 }
@@ -126,8 +128,9 @@ impl FourSided {
     /// The formula with any constituents, curves and blends, whether or not they fit: what errata are shown with. The certificate
     /// says what it reaches.
     pub fn raw(r: [Sheet; 2], borders: [Border; 2], [alpha, beta]: [Arc<dyn Blend>; 2]) -> Self {
-        let columns = [0.0, 1.0].map(|u| [0, 1].map(|k| r[k].line(DVec2::new(u, 0.0), DVec2::Y)));
-        Self { r, borders, columns, alpha, beta }
+        let prepared = [0, 1].map(|k| r[k].prepare(&[]));
+        let series = [0, 1].map(|k| borders[k].data().and_then(|c| EndSeries::new(&c)).map(Arc::new));
+        Self { r, borders, prepared, series, alpha, beta }
     }
 
     /// The corner certificate to order `order ≤ 3`; differences up to `tolerance` of the diagonal count as none.
@@ -188,27 +191,22 @@ impl FourSided {
         Some([0, 1, 2].map(|i| inner[i] + (one - a) * (r3[i] - p0[i]) + a * (r4[i] - p1[i])))
     }
 
-    /// `P(side, v)` with two derivatives.
+    /// Constituent `k` at `at`, and its value and two derivatives in `v` on both sides.
     #[inline]
-    fn column(&self, side: usize, v: f64, b: &[f64; 4], skip: [bool; 2]) -> [DVec3; 3] {
-        let jet = |k: usize| -> [DVec3; 3] {
-            if skip[k] {
-                return [DVec3::ZERO; 3];
-            }
-            match &self.columns[side][k] {
-                Some(curve) => curve.jet(v),
-                None => {
-                    let j = self.r[k].jet(DVec2::new(side as f64, v));
-                    [j.p, j.dv, j.dvv]
-                }
-            }
+    fn constituent(&self, k: usize, at: DVec2) -> (Jet2, [[DVec3; 3]; 2]) {
+        if let Some(fast) = &self.prepared[k] {
+            return fast.jet_and_sides(at);
+        }
+        let side = |u: f64| {
+            let j = self.r[k].jet(DVec2::new(u, at.y));
+            [j.p, j.dv, j.dvv]
         };
-        let (x, y, c) = (jet(0), jet(1), 1.0 - b[0]);
-        [
-            x[0] * c + y[0] * b[0],
-            x[1] * c + y[1] * b[0] + (y[0] - x[0]) * b[1],
-            x[2] * c + y[2] * b[0] + (y[1] - x[1]) * (2.0 * b[1]) + (y[0] - x[0]) * b[2],
-        ]
+        (self.r[k].jet(at), [side(0.0), side(1.0)])
+    }
+
+    #[inline]
+    fn border(&self, side: usize, v: f64) -> [DVec3; 3] {
+        self.series[side].as_ref().map_or_else(|| self.borders[side].jet(v), |s| s.jet(v))
     }
 }
 
@@ -221,15 +219,19 @@ impl Patch for FourSided {
     fn jet(&self, at: DVec2) -> Jet2 {
         let (a, b) = (self.alpha.jet(at.x), self.beta.jet(at.y));
         let skip = unused(&b);
-        let p = mix(&self.r, at, &b, skip);
-        let (p0, p1) = (self.column(0, at.y, &b, skip), self.column(1, at.y, &b, skip));
-        let (c3, c4) = (self.borders[0].jet(at.y), self.borders[1].jet(at.y));
-        let (e0, e1) = ([0, 1, 2].map(|i| c3[i] - p0[i]), [0, 1, 2].map(|i| c4[i] - p1[i]));
+        let part = |k: usize| if skip[k] { Default::default() } else { self.constituent(k, at) };
+        let ((x, x_sides), (y, y_sides)) = (part(0), part(1));
+        let p = mix_jets(&x, &y, &b);
+        let e = [0, 1].map(|side| {
+            let (c, p) = (self.border(side, at.y), mix_column(&x_sides[side], &y_sides[side], &b));
+            [c[0] - p[0], c[1] - p[1], c[2] - p[2]]
+        });
+        let [e0, e1] = e;
         // On the sides themselves the curves are met to the bit.
         let value = if a[0] == 0.0 && at.x == 0.0 {
-            c3[0]
+            self.borders[0].jet(at.y)[0]
         } else if a[0] == 1.0 && at.x == 1.0 {
-            c4[0]
+            self.borders[1].jet(at.y)[0]
         } else {
             p.p + e0[0] * (1.0 - a[0]) + e1[0] * a[0]
         };
@@ -263,7 +265,12 @@ pub(crate) fn unused(b: &[f64; 4]) -> [bool; 2] {
 #[inline]
 pub(crate) fn mix(r: &[Sheet; 2], at: DVec2, b: &[f64; 4], skip: [bool; 2]) -> Jet2 {
     let jet = |k: usize| if skip[k] { Jet2::default() } else { r[k].jet(at) };
-    let (x, y, c) = (jet(0), jet(1), 1.0 - b[0]);
+    mix_jets(&jet(0), &jet(1), b)
+}
+
+#[inline]
+fn mix_jets(x: &Jet2, y: &Jet2, b: &[f64; 4]) -> Jet2 {
+    let c = 1.0 - b[0];
     // Products with both weights rather than x + B (y − x): exact at both ends, so that neighbours share bits.
     let sum = |x: DVec3, y: DVec3| x * c + y * b[0];
     Jet2 {
@@ -274,6 +281,17 @@ pub(crate) fn mix(r: &[Sheet; 2], at: DVec2, b: &[f64; 4], skip: [bool; 2]) -> J
         duv: sum(x.duv, y.duv) + (y.du - x.du) * b[1],
         dvv: sum(x.dvv, y.dvv) + (y.dv - x.dv) * (2.0 * b[1]) + (y.p - x.p) * b[2],
     }
+}
+
+/// `P` on a side, with two derivatives in `v`.
+#[inline]
+fn mix_column(x: &[DVec3; 3], y: &[DVec3; 3], b: &[f64; 4]) -> [DVec3; 3] {
+    let c = 1.0 - b[0];
+    [
+        x[0] * c + y[0] * b[0],
+        x[1] * c + y[1] * b[0] + (y[0] - x[0]) * b[1],
+        x[2] * c + y[2] * b[0] + (y[1] - x[1]) * (2.0 * b[1]) + (y[0] - x[0]) * b[2],
+    ]
 }
 
 fn parts<'a>(

@@ -28,6 +28,26 @@ pub struct Gap {
     pub width: f64,
 }
 
+impl Gap {
+    /// The gap between two edges of a surface, whether or not they face each other.
+    ///
+    /// # Errors
+    /// [`CoonsError::OpenEdge`] for edges that do not exist, have seams, are trimmed or points.
+    pub fn between(surface: &Surface, a: EdgeRef, b: EdgeRef) -> Result<Self, CoonsError> {
+        let open = open_edges(surface);
+        let find = |e: EdgeRef| {
+            open.iter().find(|o| o.edge == e).ok_or(CoonsError::OpenEdge {
+                patch: e.patch.0 as usize,
+                edge: e.edge as usize,
+                reason: "there is no such edge, or it has a seam, belongs to a trimmed patch or is a point",
+            })
+        };
+        let (x, y) = (find(a)?, find(b)?);
+        let (width, same_direction) = apart(x, y);
+        Ok(Self { a, b, same_direction, width })
+    }
+}
+
 /// Which pairs of open edges count as gaps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -109,7 +129,8 @@ fn open_edges(surface: &Surface) -> Vec<Open> {
     open
 }
 
-fn facing(a: &Open, b: &Open, widest: f64) -> Option<Gap> {
+/// Largest distance of points of equal parameter, and whether they run in the same direction.
+fn apart(a: &Open, b: &Open) -> (f64, bool) {
     let distance = |same: bool| {
         (0..=SAMPLES).fold(0.0f64, |w, k| {
             let other = if same { k } else { SAMPLES - k };
@@ -117,7 +138,11 @@ fn facing(a: &Open, b: &Open, widest: f64) -> Option<Gap> {
         })
     };
     let (against, along) = (distance(false), distance(true));
-    let (width, same_direction) = if against <= along { (against, false) } else { (along, true) };
+    if against <= along { (against, false) } else { (along, true) }
+}
+
+fn facing(a: &Open, b: &Open, widest: f64) -> Option<Gap> {
+    let (width, same_direction) = apart(a, b);
     let shorter = a.length.min(b.length);
     let across = b.points[SAMPLES / 2] - a.points[SAMPLES / 2];
     // Edges that touch need a seam, not a fill.

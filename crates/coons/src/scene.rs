@@ -28,7 +28,9 @@
 //!   * `hole`: `sides`, 4 to 8 edges, walked against their own direction (so that the hole is on the left): each of them starts where the
 //!     next one ends.
 //!
-//!   Each may name its own `order` (`C0` … `C3`, `G1`, `G2`).
+//!   Each but the last may name its own `order` (`C0` … `C3`, `G1`, `G2`). A scene without fills asks for gaps to be found
+//!   ([`Scene::with_gaps`]).
+//! * `blend`: family of blend functions, `polynomial`, `trigonometric`, `rational` or `symmetric_rational`.
 
 use std::collections::BTreeMap;
 
@@ -37,6 +39,7 @@ use serde::{Deserialize, Serialize};
 use suture_bernstein::{BSplineSurface, BezierPatch};
 
 use crate::analytic::Analytic;
+use crate::blend::Family;
 use crate::curve::CurveData;
 use crate::error::CoonsError;
 use crate::options::Order;
@@ -52,8 +55,12 @@ pub struct Scene {
     pub schema: u64,
     /// The surfaces by name.
     pub surfaces: BTreeMap<String, SceneSurface>,
-    /// What to fill.
+    /// What to fill. Nothing: the gaps that are found ([`Scene::with_gaps`]).
+    #[serde(default)]
     pub fills: Vec<SceneFill>,
+    /// Family of blend functions, instead of the one that the caller has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blend: Option<Family>,
 }
 
 /// A surface of a scene.
@@ -106,6 +113,13 @@ pub struct SceneEdge {
     /// How it is continued.
     #[serde(default)]
     pub extension: Extension,
+}
+
+impl SceneEdge {
+    /// The edge with defaults for the rest.
+    pub fn new(surface: &str, edge: u8) -> Self {
+        Self { surface: surface.into(), edge, reach: None, extension: Extension::default() }
+    }
 }
 
 /// A constituent as it stands in the formula.
@@ -168,6 +182,13 @@ pub enum SceneFill {
         /// The edges around it.
         sides: Vec<SceneEdge>,
     },
+}
+
+impl SceneFill {
+    /// A gap with border curves made here.
+    pub fn between(a: SceneEdge, b: SceneEdge) -> Self {
+        Self::Gap { between: [a, b], curves: [None, None], order: None }
+    }
 }
 
 /// Reads a scene.

@@ -62,25 +62,3 @@ pub(crate) fn spline_surface<R: Real>(surface: &BSplineSurface<DVec3>, u: R, v: 
     }
     total
 }
-
-/// The curve in which a B-spline surface meets `u = at` (`axis` 0) or `v = at` (`axis` 1).
-pub(crate) fn iso_curve(
-    surface: &BSplineSurface<DVec3>,
-    axis: usize,
-    at: f64,
-) -> Option<BSplineCurve<DVec3>> {
-    let (degree, knots) = (surface.degree()[axis], surface.knots()[axis]);
-    let span = bspline::span(degree, knots, at);
-    let mut b = vec![[0.0; 1]; degree + 1];
-    bspline::jets(degree, knots, span, at, &mut b);
-    let [rows, columns] = surface.count();
-    let point = |fixed: usize, free: usize| {
-        let index = if axis == 0 { fixed * columns + free } else { free * columns + fixed };
-        surface.net()[index]
-    };
-    let free = if axis == 0 { columns } else { rows };
-    let net = (0..free)
-        .map(|f| b.iter().enumerate().fold(DVec3::ZERO, |s, (a, w)| s + point(span - degree + a, f) * w[0]))
-        .collect();
-    BSplineCurve::new(surface.degree()[1 - axis], surface.knots()[1 - axis].to_vec(), net).ok()
-}

@@ -79,7 +79,7 @@ impl ThreeSided {
     /// Fills the hole as smoothly as `options` ask for (C⁰, C¹, C² or G¹), or says why it cannot be. Nothing is repaired.
     ///
     /// # Errors
-    /// [`CoonsError::Edge`] with edge, order, place, size and limit where a surface does not fit; [`CoonsError::Folds`] where a neighbour
+    /// [`CoonsError::ThreeSidedOrder`] for C³ and G²; [`CoonsError::Edge`] with edge, order, place, size and limit where a surface does not fit; [`CoonsError::Folds`] where a neighbour
     /// would be left backwards; [`CoonsError::Tip`] where the fill folds at its tip; [`CoonsError::NotFinite`], [`CoonsError::NoExtent`].
     pub fn fill(r: [Sheet; 3], options: &FillOptions) -> Result<CertifiedHole, CoonsError> {
         let blend: Arc<dyn Blend> = Arc::new(options.family.flat(options.order.derivatives()));
@@ -95,17 +95,13 @@ impl ThreeSided {
         blends: [Arc<dyn Blend>; 2],
         options: &FillOptions,
     ) -> Result<CertifiedHole, CoonsError> {
-        let asked = options.order;
-        // The second derivatives in the tangent plane that G² leaves free have no parameters here; C³ has no theorem.
-        let order = match asked {
-            Order::G2 | Order::C3 => {
-                return Err(CoonsError::Blend { flat: 2, asked });
-            }
-            order => order,
-        };
+        let order = options.order;
+        if matches!(order, Order::G2 | Order::C3) {
+            return Err(CoonsError::ThreeSidedOrder { asked: order });
+        }
         let flat = blends[0].flat().min(blends[1].flat());
         if flat < order.derivatives() {
-            return Err(CoonsError::Blend { flat, asked });
+            return Err(CoonsError::Blend { flat, asked: order });
         }
         let patch = Self::raw(r, blends);
         let diagonal = patch.extent()?;
