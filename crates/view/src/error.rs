@@ -33,6 +33,25 @@ pub enum ViewError {
         /// What is missing.
         reason: &'static str,
     },
+    /// A list does not have one entry for each of what it describes.
+    #[error("{name}: {given} entries instead of {needed}; give those of this very surface and mesh")]
+    Length {
+        /// What the list holds.
+        name: &'static str,
+        /// Number of entries.
+        given: usize,
+        /// Number of entries needed.
+        needed: usize,
+    },
+    /// [`Shade::Deviation`](crate::Shade::Deviation) was asked for without distances.
+    #[error("there are no distances to show; name the mesh to compare with")]
+    NoDistances,
+    /// The page could not be packed.
+    #[error("the page cannot be written: {what}")]
+    Page {
+        /// Why.
+        what: String,
+    },
     /// The pixels of an image are not `width × height × 4` bytes.
     #[error("the image has {given} bytes, its size asks for {needed}")]
     Pixels {

@@ -29,6 +29,9 @@ pub struct ViewOptions {
     /// Curvature at the ends of the colour map for [`Shade::Curvature`], in 1 / length; `None` takes
     /// [`curvature_range`](crate::curvature_range). Set it to compare pictures.
     pub curvature_range: Option<f64>,
+    /// Distance at the end of the colour map for [`Shade::Deviation`], in the unit of the distances; `None` takes the one that 99 % of the
+    /// area stay below.
+    pub deviation_range: Option<f64>,
 }
 
 impl Default for ViewOptions {
@@ -44,6 +47,7 @@ impl Default for ViewOptions {
             samples: 3,
             bands: 24,
             curvature_range: None,
+            deviation_range: None,
         }
     }
 }
@@ -64,6 +68,9 @@ pub enum Shade {
     Isophotes,
     /// Mean curvature: red where the surface bulges towards its normal (a sphere with outward normals), blue where it is hollow.
     Curvature,
+    /// Distance from the input mesh: dark violet where there is none, yellow where it is largest; needs distances
+    /// ([`render_deviation`](crate::render_deviation)).
+    Deviation,
 }
 
 /// Where the eye is.
@@ -119,6 +126,7 @@ impl ViewOptions {
         within("field_of_view", self.field_of_view, [1e-3, 3.1])?;
         within("up", self.up.length(), [tiny, f64::MAX])?;
         within("curvature_range", self.curvature_range.unwrap_or(1.0), [tiny, f64::MAX])?;
+        within("deviation_range", self.deviation_range.unwrap_or(1.0), [tiny, f64::MAX])?;
         match self.camera {
             Camera::Auto => Ok(()),
             Camera::Orbit { azimuth, elevation, distance } => {

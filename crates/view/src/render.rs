@@ -10,7 +10,7 @@ use crate::{
     camera::View,
     color,
     raster::{NOTHING, Piece, draw, pieces},
-    shade::{Probe, Shader, curvature_range},
+    shade::{Probe, Shader, curvature_range, deviation_range},
 };
 
 /// Rows of pixels that one task draws.
@@ -27,12 +27,45 @@ pub fn render(
     surface: &Surface,
     options: &ViewOptions,
 ) -> Result<Image, ViewError> {
+    match options.shade {
+        Shade::Deviation => Err(ViewError::NoDistances),
+        _ => picture(tessellation, surface, &[], options),
+    }
+}
+
+/// Draws a surface whose distances from a mesh are known: `distances` has one per vertex of the tessellation, relative to whatever the
+/// caller likes. As [`render`] for all shades but [`Shade::Deviation`].
+///
+/// # Errors
+/// As [`render`], and [`ViewError::Length`].
+pub fn render_deviation(
+    tessellation: &Tessellation,
+    surface: &Surface,
+    distances: &[f64],
+    options: &ViewOptions,
+) -> Result<Image, ViewError> {
+    let (given, needed) = (distances.len(), tessellation.mesh.positions.len());
+    if given != needed {
+        return Err(ViewError::Length { name: "distances", given, needed });
+    }
+    picture(tessellation, surface, distances, options)
+}
+
+fn picture(
+    tessellation: &Tessellation,
+    surface: &Surface,
+    distances: &[f64],
+    options: &ViewOptions,
+) -> Result<Image, ViewError> {
     options.check()?;
     check(tessellation, surface)?;
     let mesh = &tessellation.mesh;
     let view = View::new(mesh, options)?;
     let range = match options.shade {
         Shade::Curvature => options.curvature_range.unwrap_or_else(|| curvature_range(tessellation, surface)),
+        Shade::Deviation => {
+            options.deviation_range.unwrap_or_else(|| deviation_range(tessellation, distances))
+        }
         _ => 0.0,
     };
     let samples = options.samples as usize;
@@ -50,6 +83,7 @@ pub fn render(
     let scene = Scene {
         tessellation,
         surface,
+        distances,
         kinds: surface.patches().iter().map(|p| p.kind()).collect(),
         pieces,
         shader: Shader::new(options, &view, range),
@@ -64,7 +98,8 @@ pub fn render(
     Ok(Image { width: options.width, height: options.height, pixels })
 }
 
-fn check(tessellation: &Tessellation, surface: &Surface) -> Result<(), ViewError> {
+/// Whether `tessellation` can be one of `surface`.
+pub(crate) fn check(tessellation: &Tessellation, surface: &Surface) -> Result<(), ViewError> {
     let mesh = &tessellation.mesh;
     if mesh.faces.is_empty() {
         return Err(ViewError::Empty);
@@ -88,6 +123,8 @@ fn check(tessellation: &Tessellation, surface: &Surface) -> Result<(), ViewError
 struct Scene<'a> {
     tessellation: &'a Tessellation,
     surface: &'a Surface,
+    /// One per vertex, or none at all.
+    distances: &'a [f64],
     kinds: Vec<PatchKind>,
     pieces: Vec<Piece>,
     shader: Shader,
@@ -156,6 +193,12 @@ impl Scene<'_> {
             // A probe is near to itself, unless its derivatives are not finite.
             (probe, probe.near(at).unwrap_or((self.tessellation.mesh.corners(triangle)[0], facet)))
         });
-        self.shader.color(&probe, p, n, piece.front, self.kinds[patch as usize])
+        let distance = if self.distances.is_empty() {
+            0.0
+        } else {
+            let [i, j, k] = self.tessellation.mesh.faces[triangle].map(|v| self.distances[v as usize]);
+            i * b.x + j * b.y + k * b.z
+        };
+        self.shader.color(&probe, p, n, piece.front, self.kinds[patch as usize], distance)
     }
 }

@@ -24,13 +24,27 @@ pub fn curvature_range(tessellation: &Tessellation, surface: &Surface) -> f64 {
             Some((h, mesh.area_vector(f).length())).filter(|(h, area)| h.is_finite() && area.is_finite())
         })
         .collect();
+    quantile(&mut all, ROBUST)
+}
+
+/// The distance that all but the farthest 1 % of the area stay below.
+pub(crate) fn deviation_range(tessellation: &Tessellation, distances: &[f64]) -> f64 {
+    let mesh = &tessellation.mesh;
+    let middle = |f: usize| mesh.faces[f].iter().map(|&v| distances[v as usize]).sum::<f64>() / 3.0;
+    let all = (0..mesh.faces.len()).map(|f| (middle(f), mesh.area_vector(f).length()));
+    let mut all: Vec<(f64, f64)> = all.filter(|(d, area)| d.is_finite() && area.is_finite()).collect();
+    quantile(&mut all, 0.99)
+}
+
+/// The value below which `share` of the weight lies; 0 without values.
+fn quantile(all: &mut [(f64, f64)], share: f64) -> f64 {
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = all.iter().map(|a| a.1).sum();
     let mut sum = 0.0;
-    for &(h, area) in &all {
-        sum += area;
-        if sum >= ROBUST * total {
-            return h;
+    for &mut (value, weight) in all {
+        sum += weight;
+        if sum >= share * total {
+            return value;
         }
     }
     0.0
@@ -112,7 +126,16 @@ impl Shader {
     }
 
     /// Linear light of the point `p` with unit normal `n` of a patch of `kind`, on a triangle that shows its front or its back.
-    pub(crate) fn color(&self, probe: &Probe, p: DVec3, n: DVec3, front: bool, kind: PatchKind) -> DVec3 {
+    /// `distance` is that from the input mesh.
+    pub(crate) fn color(
+        &self,
+        probe: &Probe,
+        p: DVec3,
+        n: DVec3,
+        front: bool,
+        kind: PatchKind,
+        distance: f64,
+    ) -> DVec3 {
         let v = (self.eye - p).normalize_or(self.back);
         let (n, outside) = facing(n, v, front);
         match self.shade {
@@ -128,6 +151,10 @@ impl Shader {
                 // A minimal surface has no range: its rounding errors are not shown as curvature.
                 let h = if self.range > 0.0 { sign * probe.curvature / self.range } else { 0.0 };
                 color::diverging(h) * (0.35 + 0.65 * self.light(n, v)).min(1.0)
+            }
+            Shade::Deviation => {
+                let x = if self.range > 0.0 { distance / self.range } else { 0.0 };
+                color::sequential(x) * (0.35 + 0.65 * self.light(n, v)).min(1.0)
             }
             Shade::Reflection => {
                 let r = n * (2.0 * n.dot(v)) - v;

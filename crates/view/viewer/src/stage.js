@@ -1,0 +1,219 @@
+// The canvas: one view per model beside each other, one camera for all of them.
+import {
+  AmbientLight, Box3, Color, DirectionalLight, Group, MathUtils, PerspectiveCamera, Quaternion, Raycaster, Scene, Vector2, Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { mapTexture, MODES } from "./shader.js";
+
+const FIELD_OF_VIEW = 30;
+
+export class Stage {
+  constructor(canvas, models, options) {
+    this.canvas = canvas;
+    this.models = models;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.setScissorTest(true);
+    this.renderer.autoClear = false;
+    this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
+    this.maps = { diverging: mapTexture("diverging"), sequential: mapTexture("sequential") };
+    this.background = new Color(0xffffff);
+    this.scenes = models.map((model) => {
+      const scene = new Scene();
+      const root = new Group();
+      root.add(model.group);
+      scene.add(root, new AmbientLight(0xffffff, 1.3));
+      const lamp = new DirectionalLight(0xffffff, 1.9);
+      scene.add(lamp);
+      return { scene, root, lamp };
+    });
+    this.light = { azimuth: 0, elevation: Math.PI / 2, follows: true };
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.12;
+    this.controls.rotateSpeed = 0.9;
+    this.controls.zoomSpeed = 1.1;
+    this.controls.addEventListener("change", () => this.invalidate());
+    this.frames = 0;
+    this.pending = false;
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    this.setUp(options.up, options.azimuth, options.elevation);
+    this.resize();
+  }
+
+  /** Turns the models so that `axis` (0 to 2) points upwards, and looks from the given angles. */
+  setUp(axis, azimuth, elevation) {
+    const ups = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
+    const fronts = [ups[1], ups[2], ups[0]];
+    // The axis after `up` comes towards the eye at azimuth 0.
+    const [up, front] = [ups[axis], fronts[axis]];
+    const toUp = new Quaternion().setFromUnitVectors(up, new Vector3(0, 1, 0));
+    const turned = front.clone().applyQuaternion(toUp);
+    const turn = new Quaternion().setFromUnitVectors(turned, new Vector3(0, 0, 1));
+    for (const { root } of this.scenes) root.quaternion.copy(turn).multiply(toUp);
+    this.home = { azimuth: azimuth ?? 0.6, elevation: elevation ?? 0.4 };
+    this.axis = axis;
+    this.reset();
+  }
+
+  /** The whole model, from where it was first seen. */
+  reset() {
+    const { azimuth, elevation } = this.home;
+    const radius = Math.max(...this.models.map((m) => m.surface.geometry.boundingSphere.radius), 1e-6);
+    const box = new Box3();
+    for (const { root } of this.scenes) {
+      root.updateMatrixWorld(true);
+      box.expandByObject(root.children[0].children[0]);
+    }
+    box.getCenter(this.controls.target);
+    this.view = this.panes()[0];
+    const aspect = this.view.width / this.view.height;
+    const half = MathUtils.degToRad(FIELD_OF_VIEW / 2);
+    const narrow = Math.min(half, Math.atan(Math.tan(half) * aspect));
+    const distance = (0.86 * radius) / Math.sin(narrow);
+    const flat = Math.cos(elevation);
+    this.camera.position
+      .set(Math.sin(azimuth) * flat, Math.sin(elevation), Math.cos(azimuth) * flat)
+      .multiplyScalar(distance)
+      .add(this.controls.target);
+    this.controls.minDistance = 0.02 * radius;
+    this.controls.maxDistance = 12 * radius;
+    this.radius = radius;
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** Turns the camera around the target by angles in radians. */
+  orbit(azimuth, elevation) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const length = offset.length();
+    const theta = Math.atan2(offset.x, offset.z) + azimuth;
+    const phi = MathUtils.clamp(Math.asin(offset.y / length) + elevation, -1.55, 1.55);
+    offset.set(Math.sin(theta) * Math.cos(phi), Math.sin(phi), Math.cos(theta) * Math.cos(phi)).multiplyScalar(length);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  zoom(factor) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const length = MathUtils.clamp(offset.length() * factor, this.controls.minDistance, this.controls.maxDistance);
+    this.camera.position.copy(this.controls.target).add(offset.setLength(length));
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** Moves the target in the plane of the picture, in shares of its height. */
+  pan(right, up) {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const scale = 2 * distance * Math.tan(MathUtils.degToRad(FIELD_OF_VIEW / 2));
+    const x = new Vector3().setFromMatrixColumn(this.camera.matrix, 0).multiplyScalar(right * scale);
+    const y = new Vector3().setFromMatrixColumn(this.camera.matrix, 1).multiplyScalar(up * scale);
+    this.camera.position.add(x).add(y);
+    this.controls.target.add(x).add(y);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  resize() {
+    const { clientWidth, clientHeight } = this.canvas.parentElement;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setSize(Math.max(1, clientWidth), Math.max(1, clientHeight), false);
+    this.invalidate();
+  }
+
+  /** The rectangles of the views in pixels of the page, from the upper left corner. */
+  panes() {
+    const [width, height] = [this.canvas.clientWidth || 1, this.canvas.clientHeight || 1];
+    const n = this.models.length;
+    const stacked = n > 1 && height > 1.1 * width;
+    return this.models.map((_, i) =>
+      stacked
+        ? { x: 0, y: (i * height) / n, width, height: height / n }
+        : { x: (i * width) / n, y: 0, width: width / n, height },
+    );
+  }
+
+  invalidate() {
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(() => {
+      this.pending = false;
+      // Damping goes on after the hand has let go.
+      this.controls.update();
+      this.render();
+    });
+  }
+
+  render() {
+    const { renderer, camera } = this;
+    const height = this.canvas.clientHeight;
+    const distance = camera.position.distanceTo(this.controls.target);
+    camera.near = Math.max(distance - 4 * this.radius, 0.004 * distance);
+    camera.far = distance + 6 * this.radius;
+    renderer.setClearColor(this.background);
+    this.panes().forEach((pane, i) => {
+      const bottom = height - pane.y - pane.height;
+      renderer.setViewport(pane.x, bottom, pane.width, pane.height);
+      renderer.setScissor(pane.x, bottom, pane.width, pane.height);
+      camera.aspect = pane.width / pane.height;
+      camera.updateProjectionMatrix();
+      camera.updateMatrixWorld();
+      renderer.clear();
+      const { scene, lamp } = this.scenes[i];
+      lamp.position.copy(camera.position).add(new Vector3(-0.6, 0.9, 0.2).applyQuaternion(camera.quaternion));
+      const uniforms = this.models[i].surface.material.uniforms;
+      uniforms.uLight.value.copy(this.lightInView());
+      uniforms.uUp.value.set(0, 1, 0).transformDirection(camera.matrixWorldInverse);
+      renderer.render(scene, camera);
+    });
+    this.frames++;
+    this.onFrame?.();
+  }
+
+  /** Unit vector of the light in coordinates of the eye. */
+  lightInView() {
+    const { azimuth, elevation, follows } = this.light;
+    const flat = Math.cos(elevation);
+    const l = new Vector3(Math.sin(azimuth) * flat, Math.sin(elevation), Math.cos(azimuth) * flat);
+    return follows ? l : l.transformDirection(this.camera.matrixWorldInverse);
+  }
+
+  /** Sets uniforms of all surfaces. */
+  set(values) {
+    for (const model of this.models) {
+      const uniforms = model.surface.material.uniforms;
+      for (const [name, value] of Object.entries(values)) uniforms[name].value = value;
+    }
+    this.invalidate();
+  }
+
+  shade(mode) {
+    this.set({ uMode: MODES[mode], uMap: this.maps[mode === "deviation" ? "sequential" : "diverging"] });
+  }
+
+  /** Model, patch and place under a point of the page; null where there is none. */
+  pick(clientX, clientY) {
+    const box = this.canvas.getBoundingClientRect();
+    const [x, y] = [clientX - box.left, clientY - box.top];
+    const number = this.panes().findIndex((p) => x >= p.x && x < p.x + p.width && y >= p.y && y < p.y + p.height);
+    if (number < 0) return null;
+    const pane = this.panes()[number];
+    this.camera.aspect = pane.width / pane.height;
+    this.camera.updateProjectionMatrix();
+    const at = new Vector2((2 * (x - pane.x)) / pane.width - 1, 1 - (2 * (y - pane.y)) / pane.height);
+    const ray = new Raycaster();
+    ray.setFromCamera(at, this.camera);
+    const model = this.models[number];
+    const hit = ray.intersectObject(model.surface, false)[0];
+    if (!hit) return { model: number, patch: -1 };
+    const { a, b, c } = hit.face;
+    return { model: number, patch: model.patchOf(hit.faceIndex), vertices: [a, b, c], point: hit.point };
+  }
+
+  /** A picture of what is shown, as the URL of a PNG file. */
+  picture() {
+    this.render();
+    return this.canvas.toDataURL("image/png");
+  }
+}
