@@ -76,7 +76,7 @@ const GUARD_PRICE: f64 = 2.0;
 
 /// Fits one chart by the recommended recipe.
 ///
-/// Start with `h = 2 e`, choose λ, correct the parameters, guard, measure; end within tolerance, where λ says that the residual
+/// Start with `h = √2 e`, choose λ, correct the parameters, guard, measure; end within tolerance, where λ says that the residual
 /// is noise, or at the finest knots. With fewer than ten vertices one cell is used; with vertices on a conic the second-order
 /// energy (see [`FitReport::order`]).
 ///

@@ -61,7 +61,8 @@ pub enum Mode {
 /// Knot spacing. Lengths in units of the median edge `e` of the chart in its parameter plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Knots {
-    /// First spacing. Default 2: about half a coefficient per vertex.
+    /// First spacing. Default √2: about half a coefficient per vertex. Twice the cells' area would hold the tolerance of
+    /// positions on smooth meshes as well, but doubles the error of their curvature (torus: 3 % for 6 %).
     pub start: f64,
     /// Smallest spacing. Default 1: below, the residual only measures interpolation.
     pub finest: f64,
@@ -75,7 +76,13 @@ pub struct Knots {
 
 impl Default for Knots {
     fn default() -> Self {
-        Self { start: 2.0, finest: 1.0, ratio: std::f64::consts::SQRT_2, limit: 65_000, cells: None }
+        Self {
+            start: std::f64::consts::SQRT_2,
+            finest: 1.0,
+            ratio: std::f64::consts::SQRT_2,
+            limit: 65_000,
+            cells: None,
+        }
     }
 }
 
