@@ -28,7 +28,7 @@ pub struct Jump {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Unmeasured {
-    /// The patch has no normal there: `S_u` and `S_v` vanish or are parallel.
+    /// The patch has no normal there, not even as a limit that it knows: `S_u` and `S_v` vanish or are parallel.
     Singular,
     /// The patch has a position or derivative there that is not finite.
     NotFinite,
@@ -131,24 +131,32 @@ fn start(count: usize) -> Vec<f64> {
 }
 
 fn sample(seam: Seam, sides: &[Side<'_>; 2], diagonal: f64, t: f64) -> Sample {
-    let [a, b] = [0, 1].map(|i| {
-        let t = if i == 0 { t } else { seam.opposite(t) };
-        sides[i].patch.jet(sides[i].curve.point(t))
-    });
+    let at = [0, 1].map(|i| sides[i].curve.point(if i == 0 { t } else { seam.opposite(t) }));
+    let [a, b] = [0, 1].map(|i| sides[i].patch.jet(at[i]));
     let shapes = [Shape::of(&a), Shape::of(&b).map(|s| if seam.same_direction { s.flipped() } else { s })];
+    // Where a patch shrinks to a point its normal has a limit, which it may know. Its curvature there is left to the samples nearby.
+    let normals = [0, 1].map(|i| match &shapes[i] {
+        Some(shape) => Some(shape.normal),
+        None if ![a, b][i].finite() => None,
+        None => {
+            let limit = sides[i].patch.normal(at[i]).filter(|n| n.is_finite());
+            limit.map(|n| if i == 1 && seam.same_direction { -n } else { n })
+        }
+    });
     let mut blind = None;
-    for (jet, (shape, side)) in [a, b].iter().zip(shapes.iter().zip([seam.a, seam.b])) {
+    for (jet, (normal, side)) in [a, b].iter().zip(normals.iter().zip([seam.a, seam.b])) {
         if !jet.finite() {
             blind = Some((side, Unmeasured::NotFinite));
             break;
         }
-        if shape.is_none() && blind.is_none() {
+        if normal.is_none() && blind.is_none() {
             blind = Some((side, Unmeasured::Singular));
         }
     }
     let gap = a.p.distance(b.p) / diagonal;
-    let (normal, jump) = match &shapes {
-        [Some(a), Some(b)] => (a.angle(b), a.jump(b) * diagonal),
+    let (normal, jump) = match (&shapes, &normals) {
+        ([Some(a), Some(b)], _) => (a.angle(b), a.jump(b) * diagonal),
+        (_, [Some(m), Some(n)]) => (m.cross(*n).length().atan2(m.dot(*n)), 0.0),
         _ => (PI, f64::INFINITY),
     };
     let endless = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
@@ -217,6 +225,8 @@ fn order(claimed: Continuity, jumps: [f64; 3], limits: &Limits) -> Option<Contin
 
 #[cfg(test)]
 mod tests {
+    use glam::{DVec2, DVec3};
+
     use super::*;
 
     #[test]
@@ -225,6 +235,72 @@ mod tests {
         assert_eq!((t.len(), t[0], t[22]), (23, 0.0, 1.0));
         assert!(t[1] < 1e-9 && 1.0 - t[21] < 1e-9 && t[11] == 0.5);
         assert_eq!(start(3).len(), 9);
+    }
+
+    /// The half plane above (`1`) or below (`−1`) the x axis in polar coordinates, or a cone: its tip is at `u = 0`.
+    #[derive(Debug)]
+    struct Fan {
+        side: f64,
+        slope: f64,
+        limit: bool,
+    }
+
+    impl Patch for Fan {
+        fn domain(&self) -> suture_surface::Domain {
+            suture_surface::Domain::Rectangle { min: DVec2::ZERO, max: DVec2::ONE }
+        }
+
+        fn jet(&self, at: DVec2) -> suture_surface::Jet2 {
+            let (s, c) = (self.side * at.y).sin_cos();
+            let out = DVec3::new(c, s, self.slope * at.y);
+            let round = DVec3::new(-s * self.side, c * self.side, self.slope);
+            let bend = DVec3::new(-c, -s, 0.0);
+            suture_surface::Jet2 {
+                p: out * at.x,
+                du: out,
+                dv: round * at.x,
+                duu: DVec3::ZERO,
+                duv: round,
+                dvv: bend * at.x,
+            }
+        }
+
+        fn kind(&self) -> suture_surface::PatchKind {
+            suture_surface::PatchKind::Given
+        }
+
+        fn record(&self, _: &mut suture_surface::SplinePool) -> suture_surface::Record {
+            unreachable!("nobody saves it")
+        }
+
+        fn normal(&self, at: DVec2) -> Option<DVec3> {
+            let jet = self.jet(at);
+            let limit = suture_surface::Jet2 { dv: jet.duv, ..jet };
+            jet.normal().or_else(|| limit.normal().filter(|_| self.limit))
+        }
+    }
+
+    #[test]
+    fn tips_are_measured_by_the_limits_of_their_normals() {
+        let seam = |slope: f64, limit: bool| {
+            let fan = |side| Box::new(Fan { side, slope, limit }) as Box<dyn Patch>;
+            let edge = |patch| EdgeRef { patch: suture_surface::PatchId(patch), edge: 0 };
+            let mut seam = Seam::new(edge(0), edge(1), Continuity::G1);
+            seam.same_direction = true;
+            let surface = suture_surface::Surface::new(vec![fan(1.0), fan(-1.0)], vec![seam]).unwrap();
+            crate::certify(&surface, 1.0, &CertifyOptions::default()).unwrap().seams.remove(0)
+        };
+        // The normals are (0, 0, 1) and, with the slope, (0, ∓slope, 1).
+        let flat = seam(0.0, true);
+        assert_eq!((flat.measured, flat.blind_spot), (Some(Continuity::G2), None));
+        let steep = seam(0.1, true);
+        assert!(
+            steep.measured == Some(Continuity::C0)
+                && (steep.normal.value - 2.0 * 0.1f64.atan()).abs() < 1e-12
+        );
+        let blind = seam(0.0, false);
+        assert_eq!(blind.measured, Some(Continuity::C0));
+        assert_eq!(blind.blind_spot.map(|b| (b.t, b.why)), Some((0.0, Unmeasured::Singular)));
     }
 
     #[test]
