@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use suture_surface::{Domain, Jet2, Patch, PatchKind, Record, SplinePool};
 
 use crate::constituent::Constituent;
@@ -43,5 +43,16 @@ impl Patch for SheetPatch {
 
     fn record(&self, pool: &mut SplinePool) -> Record {
         record::given(self, pool)
+    }
+
+    /// Where one parameter line shrinks to a point, the limit from the side that the domain lies on.
+    fn normal(&self, at: DVec2) -> Option<DVec3> {
+        let jet = self.jet(at);
+        let [min, max] = self.domain;
+        // f_v ≈ h f_uv a step h inside u, and alike for f_u.
+        let towards = |x: f64, low: f64, high: f64| if x - low < high - x { 1.0 } else { -1.0 };
+        let u = Jet2 { dv: jet.duv * towards(at.x, min.x, max.x), ..jet };
+        let v = Jet2 { du: jet.duv * towards(at.y, min.y, max.y), ..jet };
+        jet.normal().or_else(|| u.normal()).or_else(|| v.normal())
     }
 }
