@@ -48,6 +48,26 @@ pub enum ExportError {
         /// The largest size of the format.
         limit: u64,
     },
+    /// A patch has no form in STEP.
+    #[error(
+        "patch {patch} cannot leave as STEP: {reason}; export triangles (.obj, .glb) or native .json instead"
+    )]
+    StepPatch {
+        /// The patch.
+        patch: usize,
+        /// Why.
+        reason: &'static str,
+    },
+    /// The faces of a STEP file cannot be brought as close to the patches as asked.
+    #[error(
+        "the STEP faces deviate by {found:e} of the diagonal from the surface or from each other, {limit:e} is allowed; allow more (--cad-tolerance)"
+    )]
+    StepTolerance {
+        /// The deviation that is left, relative to the diagonal.
+        found: f64,
+        /// The deviation that is allowed.
+        limit: f64,
+    },
     /// The mesh writer refuses the tessellation.
     #[error(transparent)]
     Mesh(#[from] MeshError),

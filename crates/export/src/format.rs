@@ -7,7 +7,7 @@ use suture_mesh::io::{MeshFormat, WriteOptions, atomic_write, write_with};
 use suture_surface::Surface;
 use suture_tessellate::Tessellation;
 
-use crate::{ExportError, glb, native, obj};
+use crate::{ExportError, StepOptions, StepReport, glb, native, obj, to_step};
 
 /// A file format that a surface can leave in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,13 +22,15 @@ pub enum Format {
     Ply,
     /// Stereolithography, `.stl`, binary: triangles in 32-bit numbers.
     Stl,
+    /// STEP AP214, `.step` or `.stp`: a solid of B-spline faces for CAD systems.
+    Step,
     /// Native JSON, `.json` (by custom `.suture.json`): the patches themselves, lossless.
     Native,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 5] = [Self::Glb, Self::Obj, Self::Ply, Self::Stl, Self::Native];
+    pub const ALL: [Self; 6] = [Self::Step, Self::Glb, Self::Obj, Self::Ply, Self::Stl, Self::Native];
 
     /// The format's extension, without the dot.
     pub fn extension(self) -> &'static str {
@@ -37,6 +39,7 @@ impl Format {
             Self::Obj => "obj",
             Self::Ply => "ply",
             Self::Stl => "stl",
+            Self::Step => "step",
             Self::Native => "json",
         }
     }
@@ -48,7 +51,8 @@ impl Format {
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self, ExportError> {
         let path = path.as_ref();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-        let known = ".glb, .obj, .ply, .stl or .json";
+        let known = ".step, .glb, .obj, .ply, .stl or .json";
+        let extension = if extension.eq_ignore_ascii_case("stp") { "step" } else { extension };
         Self::ALL
             .into_iter()
             .find(|f| f.extension().eq_ignore_ascii_case(extension))
@@ -57,7 +61,7 @@ impl Format {
 
     /// Whether the format holds triangles, and so [`write()`] needs a tessellation.
     pub fn needs_tessellation(self) -> bool {
-        self != Self::Native
+        !matches!(self, Self::Native | Self::Step)
     }
 }
 
@@ -68,6 +72,7 @@ impl fmt::Display for Format {
             Self::Obj => "OBJ",
             Self::Ply => "PLY",
             Self::Stl => "STL",
+            Self::Step => "STEP",
             Self::Native => "native JSON",
         })
     }
@@ -88,6 +93,7 @@ pub fn write(
     let needed = || tessellation.ok_or(ExportError::NeedsTessellation { format });
     match format {
         Format::Native => save(path, &native::write_native(surface)?),
+        Format::Step => write_step(path, surface, &step_options(path)).map(|_| ()),
         Format::Glb => save(path, &glb::to_glb(surface, needed()?)?),
         Format::Obj => {
             let materials = path.with_extension("mtl");
@@ -103,6 +109,26 @@ pub fn write(
         Format::Ply => mesh(path, MeshFormat::Ply, needed()?),
         Format::Stl => mesh(path, MeshFormat::Stl, needed()?),
     }
+}
+
+/// Writes `surface` to `path` as STEP; the file appears complete or not at all.
+///
+/// # Errors
+/// Those of [`to_step`], and [`ExportError::Io`].
+pub fn write_step(
+    path: impl AsRef<Path>,
+    surface: &Surface,
+    options: &StepOptions,
+) -> Result<StepReport, ExportError> {
+    let (bytes, report) = to_step(surface, options)?;
+    save(path.as_ref(), &bytes)?;
+    Ok(report)
+}
+
+/// The defaults, with the name of the file for the product.
+fn step_options(path: &Path) -> StepOptions {
+    let name = path.file_stem().map(|n| n.to_string_lossy().into_owned());
+    StepOptions { name: name.unwrap_or_default(), ..StepOptions::default() }
 }
 
 fn mesh(path: &Path, format: MeshFormat, tessellation: &Tessellation) -> Result<(), ExportError> {

@@ -32,7 +32,7 @@ pub(crate) const GROUPS: [Group; 12] = [
 ];
 
 /// Number in [`GROUPS`] of a kind of patch.
-fn group_of(kind: PatchKind) -> usize {
+pub(crate) fn group_of(kind: PatchKind) -> usize {
     match kind {
         PatchKind::Trimmed => 0,
         PatchKind::Strip { odd: false } => 1,

@@ -15,9 +15,11 @@ mod glb;
 mod group;
 mod native;
 mod obj;
+mod step;
 
 pub use error::ExportError;
-pub use format::{Format, write};
+pub use format::{Format, write, write_step};
 pub use glb::to_glb;
 pub use native::{Loader, SCHEMA, read_native, write_native};
 pub use obj::{to_mtl, to_obj};
+pub use step::{LengthUnit, StepOptions, StepReport, to_step};

@@ -1,0 +1,306 @@
+//! From the layout to faces that keep the tolerance: fit, measure, refine the nodes of the classes that miss it, again.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use suture_bernstein::BSplineSurface;
+use suture_surface::Surface;
+
+use super::brep::{Brep, Coedge, Edge, Face, Geometry, Pcurve};
+use super::layout::{Block, Layout, LayoutEdge, Use, Vertex};
+use super::measure::{self, Jump};
+use super::{StepOptions, exact, fit};
+use crate::{ExportError, group};
+
+/// Intervals per edge to begin with; sides between N-gons and strips have twice as many.
+const FIRST: usize = 4;
+
+/// Intervals that no class exceeds for the sake of position, and for the sake of angles and curvatures.
+const MOST: [usize; 2] = [256, 96];
+
+/// How many times the nodes are refined at most.
+const ROUNDS: usize = 10;
+
+/// Share of every limit that samples may use: between them it may be a little worse.
+const SAFETY: f64 = 0.8;
+
+/// Largest errors found; lengths in units of the surface.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Errors {
+    pub(crate) position: f64,
+    pub(crate) gap: f64,
+    pub(crate) angle: f64,
+    pub(crate) curvature: f64,
+    pub(crate) curvature_at: Option<[String; 2]>,
+}
+
+/// The faces, and their errors.
+///
+/// # Errors
+/// [`ExportError::StepTolerance`] when no number of nodes within reason keeps the tolerance.
+pub(crate) fn refine(
+    surface: &Surface,
+    options: &StepOptions,
+    diagonal: f64,
+) -> Result<(Brep, Errors), ExportError> {
+    let mut layout = Layout::new(surface, FIRST)?;
+    let limit = options.tolerance * diagonal;
+    let mut fitted: Vec<Option<BSplineSurface<DVec3>>> = vec![None; layout.blocks.len()];
+    let mut deviations = vec![measure::Deviation::default(); layout.blocks.len()];
+    for round in 0..=ROUNDS {
+        // Blocks one by one, in parallel, those that are as they were excepted; the order of results is that of the blocks.
+        let fresh: Vec<Result<Option<(BSplineSurface<DVec3>, measure::Deviation)>, ExportError>> = (0
+            ..layout.blocks.len())
+            .into_par_iter()
+            .map(|b| {
+                if fitted[b].is_some() {
+                    return Ok(None);
+                }
+                let found = fit::fit(surface, &layout, b)?;
+                let deviation = measure::block(surface, &layout, &layout.blocks[b], &found);
+                Ok(Some((found, deviation)))
+            })
+            .collect();
+        for (b, fresh) in fresh.into_iter().enumerate() {
+            if let Some((found, deviation)) = fresh? {
+                fitted[b] = Some(found);
+                deviations[b] = deviation;
+            }
+        }
+        let brep = assemble(surface, &layout, &fitted)?;
+        let uses = uses(&brep);
+        let jumps: Vec<Vec<Jump>> = (0..brep.edges.len())
+            .into_par_iter()
+            .map(|e| measure::edge(&brep, &layout, e, diagonal, &uses[e]))
+            .collect();
+        let errors = worst(&brep, &uses, &deviations, &jumps);
+        let wanted = wanted(&layout, &deviations, &jumps, limit, options);
+        let mut changed = vec![false; layout.classes.len()];
+        if round < ROUNDS {
+            for (c, class) in layout.classes.iter_mut().enumerate() {
+                if wanted[c] > class.intervals {
+                    class.intervals = wanted[c];
+                    changed[c] = true;
+                }
+            }
+        }
+        if !changed.contains(&true) {
+            let found = errors.position.max(errors.gap);
+            if !(found <= limit) {
+                return Err(ExportError::StepTolerance { found: found / diagonal, limit: options.tolerance });
+            }
+            return Ok((brep, errors));
+        }
+        for (b, block) in layout.blocks.iter().enumerate() {
+            if changed[block.class] || block.pieces.iter().any(|p| changed[p.class]) {
+                fitted[b] = None;
+            }
+        }
+    }
+    // The last round changes nothing and returns.
+    Err(ExportError::StepTolerance { found: f64::NAN, limit: options.tolerance })
+}
+
+/// The intervals that every class should have for its errors to be within the limits.
+fn wanted(
+    layout: &Layout,
+    deviations: &[measure::Deviation],
+    jumps: &[Vec<Jump>],
+    limit: f64,
+    options: &StepOptions,
+) -> Vec<usize> {
+    let mut factor = vec![[0.0f64; 2]; layout.classes.len()];
+    let mut ask = |class: usize, kind: usize, error: f64, limit: f64, order: f64| {
+        let over = error / (SAFETY * limit);
+        if over > 1.0 || over.is_nan() {
+            let by = (1.1 * over.powf(1.0 / order)).clamp(1.2, 2.0);
+            factor[class][kind] = factor[class][kind].max(if by.is_nan() { 2.0 } else { by });
+        }
+    };
+    // Values are met to the third order only, angles to the second, curvatures to the first: the surfaces beneath are piecewise, and
+    // patches are C² where they cross.
+    for (block, deviation) in layout.blocks.iter().zip(deviations) {
+        for (k, piece) in block.pieces.iter().enumerate() {
+            let (a, b, inside) = (deviation.along_a[k], deviation.along_b[k], deviation.inside[k]);
+            ask(piece.class, 0, a, limit, 3.0);
+            ask(block.class, 0, b, limit, 3.0);
+            if a.max(b) <= SAFETY * limit {
+                ask(if a > b { piece.class } else { block.class }, 0, inside, limit, 3.0);
+            }
+        }
+    }
+    for (edge, parts) in layout.edges.iter().zip(jumps) {
+        for (class, jump) in edge.classes.iter().zip(parts) {
+            if let Some(class) = *class {
+                ask(class, 0, jump.gap, limit, 3.0);
+                ask(class, 1, jump.angle, options.angle, 2.0);
+                ask(class, 1, jump.curvature, options.curvature, 1.0);
+            }
+        }
+    }
+    layout
+        .classes
+        .iter()
+        .zip(factor)
+        .map(|(class, factors)| {
+            let more = (0..2).map(|k| {
+                let most = if class.halved { 2 * MOST[k] } else { MOST[k] };
+                let n = ((class.intervals as f64 * factors[k]).ceil() as usize).min(most);
+                if class.halved { n.next_multiple_of(2) } else { n }
+            });
+            more.fold(class.intervals, usize::max)
+        })
+        .collect()
+}
+
+/// Of every edge the faces that use it, and the place of the use in the face.
+fn uses(brep: &Brep) -> Vec<Vec<(usize, usize)>> {
+    let mut uses = vec![Vec::new(); brep.edges.len()];
+    for (f, face) in brep.faces.iter().enumerate() {
+        for (at, coedge) in face.loops.iter().flatten().enumerate() {
+            uses[coedge.edge].push((f, at));
+        }
+    }
+    uses
+}
+
+fn worst(
+    brep: &Brep,
+    uses: &[Vec<(usize, usize)>],
+    deviations: &[measure::Deviation],
+    jumps: &[Vec<Jump>],
+) -> Errors {
+    let nan_max = |a: f64, b: f64| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) };
+    let all = deviations.iter().flat_map(|d| d.along_a.iter().chain(&d.along_b).chain(&d.inside));
+    let mut errors = Errors { position: all.copied().fold(0.0, nan_max), ..Errors::default() };
+    for (edge, parts) in jumps.iter().enumerate() {
+        for jump in parts {
+            errors.gap = nan_max(errors.gap, jump.gap);
+            errors.angle = errors.angle.max(jump.angle);
+            if jump.curvature > errors.curvature {
+                errors.curvature = jump.curvature;
+                if let [a, b] = uses[edge][..] {
+                    errors.curvature_at = Some([a, b].map(|(f, _)| brep.faces[f].name.clone()));
+                }
+            }
+        }
+    }
+    errors
+}
+
+/// Puts faces, edges and vertices together.
+fn assemble(
+    surface: &Surface,
+    layout: &Layout,
+    fitted: &[Option<BSplineSurface<DVec3>>],
+) -> Result<Brep, ExportError> {
+    let missing = || ExportError::StepTolerance { found: f64::NAN, limit: 0.0 };
+    let mut brep = Brep::default();
+    let mut vertices: BTreeMap<Vertex, usize> = BTreeMap::new();
+    // Per face its uses: loop, place in the walk, and the use itself.
+    let first_exact = layout.blocks.len();
+    let mut loops: Vec<Vec<((usize, usize, f64), Coedge)>> =
+        vec![Vec::new(); first_exact + layout.exact.len()];
+    for (number, edge) in layout.edges.iter().enumerate() {
+        let ends = [edge.joints[0], edge.joints[edge.joints.len() - 1]];
+        let curve = match &edge.uses[0] {
+            Use::Block { block, side, .. } => {
+                fit::side(fitted[*block].as_ref().ok_or_else(missing)?, *side, ends)?
+            }
+            Use::Exact { face, parts } => exact::curve(surface, layout, *face, parts, &edge.joints)?,
+        };
+        let ids = [0, 1].map(|k| {
+            *vertices.entry(edge.ends[k]).or_insert_with(|| {
+                brep.vertices.push(if k == 0 { curve.net()[0] } else { curve.net()[curve.net().len() - 1] });
+                brep.vertices.len() - 1
+            })
+        });
+        for one in &edge.uses {
+            let (face, place, forward, pcurve) = place(layout, edge, one)?;
+            let face = if matches!(one, Use::Exact { .. }) { first_exact + face } else { face };
+            loops[face].push((place, Coedge { edge: number, forward, pcurve: Some(pcurve) }));
+        }
+        brep.edges.push(Edge { ends: ids, curve });
+    }
+    for (f, mut coedges) in loops.into_iter().enumerate() {
+        coedges.sort_by(|a, b| (a.0.0, a.0.1).cmp(&(b.0.0, b.0.1)).then(a.0.2.total_cmp(&b.0.2)));
+        let mut loops: Vec<Vec<Coedge>> = Vec::new();
+        let mut last = None;
+        for ((l, ..), coedge) in coedges {
+            if last != Some(l) {
+                loops.push(Vec::new());
+                last = Some(l);
+            }
+            if let Some(loop_) = loops.last_mut() {
+                loop_.push(coedge);
+            }
+        }
+        let (patch, geometry, name) = match layout.blocks.get(f) {
+            Some(block) => {
+                let patch = block.pieces[0].patch;
+                let spline = fitted[f].clone().ok_or_else(missing)?;
+                (patch, spline, block_name(surface, layout, f, block))
+            }
+            None => {
+                let exact = &layout.exact[f - first_exact];
+                (
+                    exact.patch,
+                    exact.spline.clone(),
+                    format!("{} {}", group_name(surface, exact.patch), exact.patch),
+                )
+            }
+        };
+        let (shell, flipped) = layout.shells[patch];
+        let colour = group::group_of(surface.patches()[patch].kind());
+        brep.faces.push(Face { geometry: Geometry::Spline(geometry), loops, name, colour, shell, flipped });
+    }
+    Ok(brep)
+}
+
+fn group_name(surface: &Surface, patch: usize) -> &'static str {
+    group::GROUPS[group::group_of(surface.patches()[patch].kind())].name
+}
+
+/// `arc 3-9` for the strips of an arc, `nblend 4.2` for the second part of an N-blend, by the numbers of the patches.
+fn block_name(surface: &Surface, layout: &Layout, number: usize, block: &Block) -> String {
+    let patch = block.pieces[0].patch;
+    if block.pieces.len() > 1 {
+        let low = block.pieces.iter().map(|p| p.patch).min().unwrap_or(patch);
+        let high = block.pieces.iter().map(|p| p.patch).max().unwrap_or(patch);
+        return format!("arc {low}-{high}");
+    }
+    let name = group_name(surface, patch);
+    let first = layout.blocks[..number].iter().rev().take_while(|b| b.pieces[0].patch == patch).count();
+    if block.height < 1.0 { format!("{name} {patch}.{}", first + 1) } else { format!("{name} {patch}") }
+}
+
+/// Face, place in the walk around it, direction and parameter curve of a use of an edge.
+fn place(
+    layout: &Layout,
+    edge: &LayoutEdge,
+    one: &Use,
+) -> Result<(usize, (usize, usize, f64), bool, Pcurve), ExportError> {
+    let start = edge.joints[0];
+    match one {
+        Use::Block { block, side, ends } => {
+            let forward = (ends[1] > ends[0]) == (*side < 2);
+            let low = ends[0].min(ends[1]);
+            let key = if *side < 2 { low } else { -low };
+            let speed = if ends[1] > ends[0] { 1.0 } else { -1.0 };
+            let at = |s: f64| layout.blocks[*block].on_side(*side, s);
+            let direction = (at(ends[1]) - at(ends[0])).normalize_or_zero();
+            // The side's parameter may differ from the edge's by a constant and by direction.
+            let origin = at(ends[0] - speed * start);
+            Ok((*block, (0, *side, key), forward, Pcurve::Line { origin, direction }))
+        }
+        Use::Exact { face, parts } => {
+            let domain = &layout.domains[layout.exact[*face].patch];
+            let forward = parts[0].1[1] > parts[0].1[0];
+            let (walked, t) = if forward { parts[0] } else { parts[parts.len() - 1] };
+            let loop_ = domain.loops().iter().position(|l| l.contains(&walked)).unwrap_or_default();
+            let pcurve = exact::pcurve(domain, parts, &edge.joints)?;
+            Ok((*face, (loop_, walked, t[0].min(t[1])), forward, pcurve))
+        }
+    }
+}
