@@ -60,6 +60,9 @@ pub enum SutureError {
     /// The mesh has no bubble surface.
     #[error(transparent)]
     Bubble(#[from] suture_bubble::BubbleError),
+    /// A gap or hole cannot be filled as asked for.
+    #[error(transparent)]
+    Fill(#[from] suture_coons::CoonsError),
     /// The surface cannot be tessellated.
     #[error(transparent)]
     Tessellate(#[from] suture_tessellate::TessellateError),
@@ -103,6 +106,7 @@ impl SutureError {
             Self::Normals(_) => "normals",
             Self::Apatch(_) => "apatch",
             Self::Bubble(_) => "bubble",
+            Self::Fill(_) => "fill",
             Self::Tessellate(_) => "tessellate",
             Self::Certify(_) => "certify",
             Self::Export(_) => "export",

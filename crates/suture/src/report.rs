@@ -10,7 +10,7 @@ use suture_mesh::TriMesh;
 use suture_surface::{Continuity, PatchKind, Surface};
 use suture_tessellate::Tessellation;
 
-use crate::{Reconstruction, Sewn, SutureError};
+use crate::{Filled, Reconstruction, Sewn, SutureError};
 
 /// Version of the report's form: raised when a key changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;
@@ -121,6 +121,8 @@ pub struct CertificateReport {
     pub seams: usize,
     /// Number of boundary edges of patches that no seam names: none if the surface is closed.
     pub open_edges: usize,
+    /// Number of seams that join surfaces of opposite orientation.
+    pub turned_seams: usize,
 }
 
 /// Distances between mesh and surface.
@@ -272,6 +274,20 @@ impl Report {
         self.warnings.extend(sewn.warnings.iter().cloned());
     }
 
+    /// Enters everything that is known of fills.
+    pub fn describe_filled(&mut self, filled: &Filled) {
+        self.surface = Some(SurfaceReport {
+            patches: kinds(&filled.surface),
+            patches_merged: filled.surface.patches().len(),
+            construction: serde_json::to_value(&filled.report).ok(),
+            ..SurfaceReport::default()
+        });
+        self.describe_certificate(&filled.certificate);
+        self.describe_tessellation(&filled.tessellation);
+        self.seconds = filled.seconds.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
+        self.warnings.extend(filled.warnings.iter().cloned());
+    }
+
     /// Enters a certificate.
     pub fn describe_certificate(&mut self, c: &Certificate) {
         self.certificate = Some(CertificateReport {
@@ -284,6 +300,7 @@ impl Report {
             largest_curvature: c.largest_curvature,
             seams: c.seams.len(),
             open_edges: c.open_edges,
+            turned_seams: c.seams.iter().filter(|s| s.seam.same_direction).count(),
         });
     }
 
@@ -326,7 +343,7 @@ impl Report {
     }
 
     /// Whether everything that was claimed was also measured: the certificate holds its claim and the tessellation is an oriented
-    /// manifold of the input's genus, with the input's boundaries; closed where there is no input and all edges of patches have seams.
+    /// manifold of the input's genus, with the input's boundaries; closed where there is no input and all edges of patches have seams. Surfaces of opposite orientation may be joined.
     pub fn holds(&self) -> bool {
         let rank = |name: &str| ORDERS.iter().position(|&o| order_name(o) == name);
         let certificate = self
@@ -339,7 +356,8 @@ impl Report {
                 (None, Some(c)) => t.closed == (c.open_edges == 0),
                 (None, None) => t.closed,
             };
-            form && t.manifold && t.oriented
+            let turned = self.certificate.as_ref().is_some_and(|c| c.turned_seams > 0);
+            form && t.manifold && (t.oriented || turned)
         });
         certificate && tessellation && self.error.is_none()
     }
@@ -384,6 +402,8 @@ pub fn kind_name(kind: PatchKind) -> &'static str {
         PatchKind::Edge => "edge",
         PatchKind::Planar => "planar",
         PatchKind::Bubble { .. } => "bubble",
+        PatchKind::Fill { .. } => "fill",
+        PatchKind::Given => "given",
         _ => "other",
     }
 }

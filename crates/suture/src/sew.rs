@@ -216,13 +216,14 @@ fn measure<R>(
     Ok(Sewn { surface, report, tessellation, certificate, deviation, seconds, warnings })
 }
 
-struct Clock<'a> {
-    seconds: BTreeMap<&'static str, f64>,
-    watch: &'a dyn Watch,
+/// Times the stages and tells of them.
+pub(crate) struct Clock<'a> {
+    pub(crate) seconds: BTreeMap<&'static str, f64>,
+    pub(crate) watch: &'a dyn Watch,
 }
 
 impl Clock<'_> {
-    fn run<T>(
+    pub(crate) fn run<T>(
         &mut self,
         stage: Stage,
         work: impl FnOnce() -> Result<T, SutureError>,

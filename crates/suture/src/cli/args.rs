@@ -29,6 +29,8 @@ pub(crate) enum Command {
     Apatch(Box<super::apatch::Apatch>),
     /// Lay a G⁰ to G⁴ surface over a mesh with normals: one bubble patch per face
     Bubble(Box<super::bubble::Bubble>),
+    /// Fill the gaps and holes between surfaces, C⁰ to C³, G¹ or G²
+    Fill(Box<super::fill::Fill>),
     /// Cut a closed triangle mesh into disc charts and write their labels
     Segment(Segment),
     /// Report every defect of a mesh
@@ -257,7 +259,7 @@ pub(crate) struct Check {
 
 #[derive(ClapArgs, Debug)]
 pub(crate) struct Certify {
-    /// The surface, as written by `-o NAME.json` of reconstruct, apatch or bubble
+    /// The surface, as written by `-o NAME.json` of reconstruct, apatch, bubble or fill
     pub(crate) surface: PathBuf,
     /// Also measure the distance from this mesh
     #[arg(long, value_name = "FILE")]

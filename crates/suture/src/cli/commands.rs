@@ -27,6 +27,7 @@ pub(crate) fn run(args: &Args) -> Result<bool, SutureError> {
         Command::Reconstruct(a) => reconstruct_command(a, &args.common, &mut report),
         Command::Apatch(a) => super::apatch::run(a, &args.common, &mut report),
         Command::Bubble(a) => super::bubble::run(a, &args.common, &mut report),
+        Command::Fill(a) => super::fill::run(a, &args.common, &mut report),
         Command::Segment(a) => segment_command(a, &args.common, &mut report),
         Command::Check(a) => check_command(a, &args.common, &mut report),
         Command::Certify(a) => certify_command(a, &args.common, &mut report),
@@ -62,6 +63,7 @@ fn name(command: &Command) -> &'static str {
         Command::Reconstruct(_) => "reconstruct",
         Command::Apatch(_) => "apatch",
         Command::Bubble(_) => "bubble",
+        Command::Fill(_) => "fill",
         Command::Segment(_) => "segment",
         Command::Check(_) => "check",
         Command::Certify(_) => "certify",
@@ -76,6 +78,7 @@ fn input_of(command: &Command) -> Option<&Path> {
         Command::Reconstruct(a) => a.input.as_deref(),
         Command::Apatch(a) => Some(&a.local.input),
         Command::Bubble(a) => Some(&a.local.input),
+        Command::Fill(a) => Some(&a.input),
         Command::Segment(a) => Some(&a.input),
         Command::Check(a) => Some(&a.input),
         Command::Certify(a) => Some(&a.surface),
@@ -257,11 +260,16 @@ pub(crate) fn summary(report: &Report) -> String {
     if let Some(t) = &report.tessellation {
         let input = report.input.as_ref();
         let open = input.is_some_and(|i| i.boundary_loops > 0 && i.boundary_loops == t.boundary_loops);
+        let bounded = input.is_none() && report.certificate.as_ref().is_some_and(|c| c.open_edges > 0);
         let yes = |b: bool, word: &str| if b { word.to_owned() } else { format!("NOT {word}") };
         line(format!(
             "tessellation {} triangles, {}, {}, {}, genus {}",
             t.triangles,
-            if open { "open as the mesh is".into() } else { yes(t.closed, "closed") },
+            match (open, bounded && !t.closed) {
+                (true, _) => "open as the mesh is".into(),
+                (_, true) => "open where edges have no seam".into(),
+                _ => yes(t.closed, "closed"),
+            },
             yes(t.manifold, "manifold"),
             yes(t.oriented, "oriented"),
             t.genus.map_or("none".into(), |g| g.to_string())

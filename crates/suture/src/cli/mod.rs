@@ -4,6 +4,7 @@ mod apatch;
 mod args;
 mod bubble;
 mod commands;
+mod fill;
 mod input;
 mod local;
 mod output;
