@@ -1,9 +1,12 @@
-//! Maintenance commands: `cargo xtask codegen`, `cargo xtask ci`, `cargo xtask oracle`.
+//! Maintenance commands: `cargo xtask codegen`, `ci`, `oracle`, `viewer`, `browser`, `gallery`.
 
+mod browser;
 mod ci;
 mod codegen;
+mod gallery;
 mod oracle;
 mod step;
+mod viewer;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -30,6 +33,16 @@ enum Command {
     Ci,
     /// Compares results with libigl, SciPy and trimesh (needs Python 3.11 and, the first time, a package registry).
     Oracle,
+    /// Bundles the program of the HTML pages (needs Node.js and, the first time, a package registry).
+    Viewer {
+        /// Writes nothing: fails when the committed bundle is stale.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Opens HTML pages in Chromium and drives every control (needs Node.js, Chromium and, the first time, a package registry).
+    Browser,
+    /// Draws the pictures of docs/gallery.md.
+    Gallery,
 }
 
 fn main() -> ExitCode {
@@ -39,6 +52,9 @@ fn main() -> ExitCode {
         Command::Codegen { check } => codegen::run(root, check),
         Command::Ci => ci::all(root),
         Command::Oracle => oracle::run_checks(root),
+        Command::Viewer { check } => viewer::bundle(root, check),
+        Command::Browser => browser::run_checks(root),
+        Command::Gallery => gallery::draw(root),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -6,7 +6,8 @@ use glam::{DVec2, DVec3};
 use suture_apatch::{ApatchSurface, Cell};
 use suture_mesh::TriMesh;
 use suture_surface::{
-    Continuity, Domain, EdgeRef, Jet2, Patch, PatchId, PatchKind, Record, Seam, SplinePool, Surface, SurfaceError,
+    Continuity, Domain, EdgeRef, Jet2, Patch, PatchId, PatchKind, Record, Seam, SplinePool, Surface,
+    SurfaceError,
 };
 use suture_tessellate::Tessellation;
 
@@ -68,8 +69,12 @@ pub(crate) fn hull(surface: &ApatchSurface) -> Vec<([DVec3; 4], bool)> {
 pub fn facets(mesh: &TriMesh) -> Result<(Surface, Tessellation), SurfaceError> {
     let corners = [DVec2::ZERO, DVec2::X, DVec2::Y];
     // Faces that name missing vertices have no place.
-    let faces: Vec<[u32; 3]> =
-        mesh.faces.iter().filter(|f| f.iter().all(|&v| (v as usize) < mesh.positions.len())).copied().collect();
+    let faces: Vec<[u32; 3]> = mesh
+        .faces
+        .iter()
+        .filter(|f| f.iter().all(|&v| (v as usize) < mesh.positions.len()))
+        .copied()
+        .collect();
     let mut edges: BTreeMap<[u32; 2], Vec<EdgeRef>> = BTreeMap::new();
     for (f, face) in faces.iter().enumerate() {
         for k in 0..3 {
@@ -137,7 +142,8 @@ mod tests {
         assert_eq!(surface.patches().len(), mesh.faces.len());
         assert_eq!(2 * surface.seams().len(), 3 * mesh.faces.len());
         let report =
-            suture_certify::certify(&surface, mesh.diagonal(), &suture_certify::CertifyOptions::default()).unwrap();
+            suture_certify::certify(&surface, mesh.diagonal(), &suture_certify::CertifyOptions::default())
+                .unwrap();
         assert_eq!((report.measured, report.position, report.open_edges), (Some(Continuity::C0), 0.0, 0));
         assert_eq!(tessellation.mesh.faces, mesh.faces);
         assert!(degrees(&surface).iter().all(|d| d == "1"));

@@ -6,11 +6,12 @@ mod seams;
 
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::Serialize;
+use suture_bernstein::BSplineSurface;
 use suture_certify::{Certificate, Deviation};
 use suture_mesh::TriMesh;
-use suture_surface::{Continuity, PatchKind, SplinePool, Surface};
+use suture_surface::{Continuity, Domain, PatchKind, SplinePool, Surface};
 use suture_tessellate::Tessellation;
 
 use self::mesh::Sorted;
@@ -369,24 +370,50 @@ impl PageModel<'_> {
 /// Lines of the control nets of all B-splines that patches are made of, as pairs of points.
 fn nets(surface: &Surface) -> Vec<DVec3> {
     let mut pool = SplinePool::default();
+    let mut lines = Vec::new();
     for patch in surface.patches() {
         if matches!(patch.kind(), PatchKind::Trimmed | PatchKind::Given | PatchKind::Fill { .. }) {
+            let known = pool.splines().len();
             // Enters its B-splines; the rest of the record is not needed.
             let _ = patch.record(&mut pool);
-        }
-    }
-    let mut lines = Vec::new();
-    for spline in pool.splines() {
-        let [m, n] = [0, 1].map(|k| spline.knots()[k].len() - spline.degree()[k] - 1);
-        let at = |i: usize, j: usize| spline.net()[i * n + j];
-        for i in 0..m {
-            for j in 0..n {
-                lines.extend((i + 1 < m).then(|| [at(i, j), at(i + 1, j)]).into_iter().flatten());
-                lines.extend((j + 1 < n).then(|| [at(i, j), at(i, j + 1)]).into_iter().flatten());
-            }
+            // Control points that act only beyond the trimming curves wander far off and would hide those that matter.
+            let trimmed = (patch.kind() == PatchKind::Trimmed).then(|| extent(&patch.domain()));
+            pool.splines()[known..].iter().for_each(|s| net(s, trimmed, &mut lines));
         }
     }
     lines
+}
+
+/// Lines between neighbouring control points that act within `region` (all without one).
+fn net(spline: &BSplineSurface<DVec3>, region: Option<[DVec2; 2]>, lines: &mut Vec<DVec3>) {
+    let degree = spline.degree();
+    let [m, n] = [0, 1].map(|k| spline.knots()[k].len() - degree[k] - 1);
+    let acts = |k: usize, i: usize| {
+        let knots = spline.knots()[k];
+        region.is_none_or(|[lo, hi]| knots[i] < hi[k] && knots[i + degree[k] + 1] > lo[k])
+    };
+    let at = |i: usize, j: usize| (acts(0, i) && acts(1, j)).then(|| spline.net()[i * n + j]);
+    for i in 0..m {
+        for j in 0..n {
+            for (k, l) in [(i + 1, j), (i, j + 1)] {
+                if k < m && l < n {
+                    lines.extend(at(i, j).zip(at(k, l)).into_iter().flat_map(|(a, b)| [a, b]));
+                }
+            }
+        }
+    }
+}
+
+/// The box around a domain. Control points of its edges bound them.
+fn extent(domain: &Domain) -> [DVec2; 2] {
+    let around = |points: &mut dyn Iterator<Item = DVec2>| {
+        points.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[lo, hi], p| [lo.min(p), hi.max(p)])
+    };
+    match domain {
+        Domain::Rectangle { min, max } => [*min, *max],
+        Domain::Polygon(corners) => around(&mut corners.iter().copied()),
+        Domain::Trimmed(loops) => around(&mut loops.iter().flatten().flat_map(|c| c.net().iter().copied())),
+    }
 }
 
 fn degrees(of: &[String]) -> Degrees {

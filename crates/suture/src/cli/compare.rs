@@ -11,8 +11,8 @@ use suture::mesh::TriMesh;
 use suture::report::Compared;
 use suture::view::{Page, PageModel};
 use suture::{
-    NormalSource, ReconstructOptions, Reconstruction, Report, SewOptions, Sewn, Stages, SutureError, Watch, degrees,
-    reconstruct, sew_apatch, sew_bubble, vertex_normals,
+    NormalSource, ReconstructOptions, Reconstruction, Report, SewOptions, Sewn, Stages, SutureError, Watch,
+    degrees, reconstruct, sew_apatch, sew_bubble, vertex_normals,
 };
 
 use super::commands::settings;

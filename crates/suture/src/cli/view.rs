@@ -100,8 +100,11 @@ fn labels(a: &View, mesh: Option<&TriMesh>) -> Result<Option<Vec<u32>>, SutureEr
     let labels = read_labels(&input::text(path)?)?;
     let faces = mesh.map_or(0, |m| m.faces.len());
     if labels.len() != faces {
-        let what =
-            format!("{}: {} labels for {faces} faces; name their mesh with --mesh", path.display(), labels.len());
+        let what = format!(
+            "{}: {} labels for {faces} faces; name their mesh with --mesh",
+            path.display(),
+            labels.len()
+        );
         return Err(SutureError::Unsuitable { what });
     }
     Ok(Some(labels))

@@ -5,7 +5,10 @@ const DIVERGING = [0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0
 /** Viridis (van der Walt, Smith 2015) at nine places. */
 const SEQUENTIAL = [0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725];
 
-export const MAPS = { diverging: DIVERGING, sequential: SEQUENTIAL };
+/** Good to bad, for jumps across seams: unlike the maps of the surface below them. */
+const JUMP = [0x0fa3b1, 0x2fb47c, 0x8cc751, 0xe6d13a, 0xf59b2b, 0xf0592a, 0xd81159];
+
+export const MAPS = { diverging: DIVERGING, sequential: SEQUENTIAL, jump: JUMP };
 
 export const css = (hex) => `#${hex.toString(16).padStart(6, "0")}`;
 export const channels = (hex) => [hex >> 16, (hex >> 8) & 255, hex & 255];

@@ -8,24 +8,37 @@ async function start() {
   const root = document.getElementById("suture");
   const message = root.querySelector(".loading");
   try {
+    const marks = {};
+    const mark = (name) => (marks[name] = Math.round(performance.now()));
+    mark("start");
     const { head, body } = await load(document.getElementById("suture-data").textContent);
+    mark("unpacked");
     // The text is not needed any more, and there is much of it.
     document.getElementById("suture-data").remove();
     const models = head.models.map((m) => new Model(m, body, head.kinds));
+    mark("models");
     const canvas = root.querySelector("canvas");
     const stage = new Stage(canvas, models, head.view);
     const panel = new Panel(root, head, models, stage);
+    mark("panel");
     const ready = new Promise((done) => {
       stage.onFrame = () => {
         stage.onFrame = null;
+        mark("commands");
+        message.remove();
         // Waits for the picture itself, not only for the commands that draw it.
         const gl = stage.renderer.getContext();
-        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-        message.remove();
-        done({ milliseconds: performance.now() });
+        const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+        gl.flush();
+        const wait = () => {
+          if (!gl.isContextLost() && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return setTimeout(wait, 4);
+          mark("picture");
+          done(marks);
+        };
+        wait();
       };
     });
-    window.suture = { head, models, stage, panel, ready };
+    window.suture = { head, models, stage, panel, ready, marks };
     stage.invalidate();
     await ready;
     document.documentElement.dataset.ready = "true";

@@ -12,7 +12,7 @@ import { floats, integers, normals, reals } from "./data.js";
 import { kindTexture, surfaceMaterial } from "./shader.js";
 
 /** More segments than this are drawn one pixel wide: wide ones cost six vertices each. */
-const MOST_WIDE = 120_000;
+const MOST_WIDE = 40_000;
 const ORDERS = ["—", "C0", "G1", "C1", "G2", "C2"];
 const ORDER_COLORS = [0xff2d55, 0xff7a1a, 0xf2c230, 0xb9cf3a, 0x35b779, 0x2f9e6d];
 
@@ -95,7 +95,9 @@ export class Model {
     const points = new Float32Array(3 * ends.length);
     ends.forEach((v, i) => points.set(position.subarray(3 * v, 3 * v + 3), 3 * i));
     this.edgeSeam = this.section("edge_seam");
-    return strokes(points, { color: 0x0b1220, width: 1.6, towards: 0.0015 });
+    // Many seams in full strength would hide what they lie on.
+    this.seamWidth = this.seamCount > 2000 ? 0.9 : 1.6;
+    return strokes(points, { color: 0x0b1220, width: this.seamWidth, towards: 0.0015, opacity: this.seamCount > 2000 ? 0.55 : 1 });
   }
 
   /** Colours the seams: `plain`, by measured `order`, by jump of `normal` or `curvature`. */
@@ -105,7 +107,7 @@ export class Model {
     const plain = by === "plain";
     lines.material.vertexColors = !plain;
     lines.material.color.set(plain ? ink : 0xffffff);
-    lines.material.linewidth = plain ? 1.6 : 2.6;
+    lines.material.linewidth = (plain ? 1 : 1.6) * this.seamWidth;
     lines.material.needsUpdate = true;
     if (plain) return;
     const color = (seam) => {
@@ -114,7 +116,7 @@ export class Model {
         const c = ORDER_COLORS[this.seams.orders[2 * seam + 1]];
         return [c >> 16, (c >> 8) & 255, c & 255];
       }
-      return at("sequential", jumpPlace(this.seams.jumps[3 * seam + (by === "normal" ? 1 : 2)]));
+      return at("jump", jumpPlace(this.seams.jumps[3 * seam + (by === "normal" ? 1 : 2)]));
     };
     const cache = new Map();
     const count = this.edgeSeam.length;

@@ -72,11 +72,18 @@ export class Panel {
       models.length === 1 && h("p", {}, subtitle(models[0]), " ", badge(holds[0])),
     );
     stageElement.append(titles, this.legend);
+    this.captions = [];
     if (models.length > 1) {
       this.captions = models.map((m, i) =>
         h("div", { class: "caption" }, h("strong", {}, m.head.name), " ", badge(holds[i]), h("span", {}, subtitle(m))),
       );
       stageElement.append(...this.captions);
+      this.stage.onLayout = (panes) => panes.forEach((pane, i) => {
+        Object.assign(this.captions[i].style, { left: `${pane.x}px`, top: `${pane.y + (pane.y === 0 ? 46 : 8)}px`,
+          // The tools stand in the upper right corner.
+          width: `${pane.width - (pane.x + pane.width > this.stage.canvas.clientWidth - 2 ? 52 : 0)}px` });
+      });
+      this.stage.resize();
     }
     this.tools = h("div", { class: "tools" },
       tool("panel", "☰", "Hide or show the panel (H)", () => this.toggle()),
@@ -236,7 +243,7 @@ export class Panel {
       const found = new Set(this.models.flatMap((m) => [...m.seams.orders].filter((_, i) => i % 2 === 1)));
       this.seamKey.append(...[...found].sort().map((o) => swatch(css(ORDER_COLORS[o]), o ? ORDERS[o] : "gap")));
     } else if (by !== "plain") {
-      this.seamKey.append(bar("sequential", ["1e-16", "1e-8", "1"], by === "normal" ? "radians" : "relative"));
+      this.seamKey.append(bar("jump", ["1e-16", "1e-8", "1"], by === "normal" ? "radians" : "relative"));
     }
     if (by !== "plain") this.applyLayer("seams", true);
     this.stage.invalidate();
@@ -451,7 +458,7 @@ function subtitle(model) {
   const patches = model.patchKind.length;
   const parts = [`${patches.toLocaleString("en")} patch${patches === 1 ? "" : "es"}`, `${model.triangles.toLocaleString("en")} triangles`];
   const d = model.head.report.deviation;
-  if (d) parts.push(`rms ${percent(d.mesh_to_surface.rms)}`);
+  if (d) parts.push(d.mesh_to_surface.max < 1e-12 ? "through all vertices" : `rms ${percent(d.mesh_to_surface.rms)}`);
   return parts.join(" · ");
 }
 

@@ -113,7 +113,8 @@ void main() {
     vec2 g = abs(fract(q - 0.5) - 0.5) / max(fwidth(q), 1e-6);
     float line = 1.0 - smoothstep(0.3, 1.1, min(g.x, g.y));
     line *= 1.0 - smoothstep(0.3, 0.6, max(fwidth(q).x, fwidth(q).y));
-    color = mix(color, vec3(0.012, 0.02, 0.035), 0.7 * line);
+    float bright = dot(color, vec3(0.2126, 0.7152, 0.0722));
+    color = mix(color, bright < 0.07 ? vec3(0.75, 0.80, 0.85) : vec3(0.012, 0.02, 0.035), 0.65 * line);
   }
   if (uSelected >= 0.0) {
     if (abs(vPatch - uSelected) < 0.5) {

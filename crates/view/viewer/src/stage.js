@@ -1,6 +1,6 @@
 // The canvas: one view per model beside each other, one camera for all of them.
 import {
-  AmbientLight, Box3, Color, DirectionalLight, Group, MathUtils, PerspectiveCamera, Quaternion, Raycaster, Scene, Vector2, Vector3,
+  AmbientLight, Color, DirectionalLight, Group, MathUtils, PerspectiveCamera, Quaternion, Raycaster, Scene, Vector2, Vector3,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -8,11 +8,15 @@ import { mapTexture, MODES } from "./shader.js";
 
 const FIELD_OF_VIEW = 30;
 
+/** Unit vector of an orbit angle, `y` upwards. */
+const direction = (azimuth, elevation) =>
+  new Vector3(Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation), Math.cos(azimuth) * Math.cos(elevation));
+
 export class Stage {
   constructor(canvas, models, options) {
     this.canvas = canvas;
     this.models = models;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias: true });
     this.renderer.setScissorTest(true);
     this.renderer.autoClear = false;
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
@@ -36,9 +40,9 @@ export class Stage {
     this.controls.addEventListener("change", () => this.invalidate());
     this.frames = 0;
     this.pending = false;
-    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
-    this.setUp(options.up, options.azimuth, options.elevation);
     this.resize();
+    this.setUp(options.up, options.azimuth, options.elevation);
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
   }
 
   /** Turns the models so that `axis` (0 to 2) points upwards, and looks from the given angles. */
@@ -51,36 +55,90 @@ export class Stage {
     const turned = front.clone().applyQuaternion(toUp);
     const turn = new Quaternion().setFromUnitVectors(turned, new Vector3(0, 0, 1));
     for (const { root } of this.scenes) root.quaternion.copy(turn).multiply(toUp);
-    this.home = { azimuth: azimuth ?? 0.6, elevation: elevation ?? 0.4 };
     this.axis = axis;
+    for (const { root } of this.scenes) root.updateMatrixWorld(true);
+    this.home = { azimuth: azimuth ?? this.bestAzimuth(elevation ?? 0.45), elevation: elevation ?? 0.45 };
     this.reset();
+  }
+
+  /** Of eight directions the one that sees the largest area. */
+  bestAzimuth(elevation) {
+    const { geometry } = this.models[0].surface;
+    const [position, index] = [geometry.getAttribute("position").array, geometry.index.array];
+    const turn = this.scenes[0].root.quaternion;
+    const step = 3 * Math.max(1, Math.floor(index.length / 3 / 20_000));
+    const areas = [];
+    const [a, b, c] = [new Vector3(), new Vector3(), new Vector3()];
+    for (let t = 0; t < index.length; t += step) {
+      [a, b, c].forEach((v, k) => v.fromArray(position, 3 * index[t + k]));
+      areas.push(b.sub(a).cross(c.sub(a)).applyQuaternion(turn).clone());
+    }
+    let best = [0.585, -1];
+    for (let i = 0; i < 8; i++) {
+      const azimuth = (0.125 + 0.125 * i) * 2 * Math.PI - 0.2;
+      const back = direction(azimuth, elevation);
+      const area = areas.reduce((sum, n) => sum + Math.max(0, n.dot(back)), 0);
+      // A closed surface has the same area from behind: the first one stays.
+      if (area > best[1] * 1.02) best = [azimuth, area];
+    }
+    return best[0];
   }
 
   /** The whole model, from where it was first seen. */
   reset() {
-    const { azimuth, elevation } = this.home;
     const radius = Math.max(...this.models.map((m) => m.surface.geometry.boundingSphere.radius), 1e-6);
-    const box = new Box3();
-    for (const { root } of this.scenes) {
-      root.updateMatrixWorld(true);
-      box.expandByObject(root.children[0].children[0]);
-    }
-    box.getCenter(this.controls.target);
-    this.view = this.panes()[0];
-    const aspect = this.view.width / this.view.height;
-    const half = MathUtils.degToRad(FIELD_OF_VIEW / 2);
-    const narrow = Math.min(half, Math.atan(Math.tan(half) * aspect));
-    const distance = (0.86 * radius) / Math.sin(narrow);
-    const flat = Math.cos(elevation);
-    this.camera.position
-      .set(Math.sin(azimuth) * flat, Math.sin(elevation), Math.cos(azimuth) * flat)
-      .multiplyScalar(distance)
-      .add(this.controls.target);
+    const back = direction(this.home.azimuth, this.home.elevation);
+    const right = new Vector3(0, 1, 0).cross(back).normalize();
+    const up = back.clone().cross(right);
+    // Room for the heading above and the legend below.
+    const [above, below] = [64, 100];
+    const tan = Math.tan(MathUtils.degToRad(FIELD_OF_VIEW / 2));
+    this.stacked = this.arrange(right, up, above + below);
+    this.onLayout?.(this.panes());
+    const pane = this.panes()[0];
+    const room = Math.max(0.5, 1 - (above + below) / pane.height);
+    const tans = [0.9 * tan * (pane.width / pane.height), room * tan];
+    // A vertex (x, y, z) is in the picture of an eye at (X, Y, Z) if |x − X| ≤ tan (Z − z), and alike for y.
+    const reach = [[-Infinity, -Infinity], [-Infinity, -Infinity]];
+    const p = new Vector3();
+    this.models.forEach((model, i) => {
+      const position = model.surface.geometry.getAttribute("position");
+      const step = Math.max(1, Math.floor(position.count / 20_000));
+      for (let v = 0; v < position.count; v += step) {
+        p.fromBufferAttribute(position, v).applyQuaternion(this.scenes[i].root.quaternion);
+        const depth = p.dot(back);
+        [p.dot(right), p.dot(up)].forEach((c, axis) => {
+          reach[axis][0] = Math.max(reach[axis][0], c + tans[axis] * depth);
+          reach[axis][1] = Math.max(reach[axis][1], -c + tans[axis] * depth);
+        });
+      }
+    });
+    const [x, y] = reach.map(([plus, minus]) => 0.5 * (plus - minus));
+    const distance = Math.max(...[0, 1].map((axis) => (0.5 * (reach[axis][0] + reach[axis][1])) / tans[axis]));
+    const lower = ((below - above) / pane.height) * tan * distance;
+    this.controls.target.copy(right).multiplyScalar(x).addScaledVector(up, y - lower);
+    this.camera.position.copy(this.controls.target).addScaledVector(back, distance);
     this.controls.minDistance = 0.02 * radius;
     this.controls.maxDistance = 12 * radius;
     this.radius = radius;
     this.controls.update();
     this.invalidate();
+  }
+
+  /** Whether views above each other show the models larger than views beside each other. */
+  arrange(right, up, margin) {
+    const n = this.models.length;
+    const { position } = this.models[0].surface.geometry.attributes;
+    const box = [[Infinity, -Infinity], [Infinity, -Infinity]];
+    const p = new Vector3();
+    for (let v = 0; v < position.count; v += Math.max(1, Math.floor(position.count / 5000))) {
+      p.fromBufferAttribute(position, v).applyQuaternion(this.scenes[0].root.quaternion);
+      [p.dot(right), p.dot(up)].forEach((c, k) => (box[k] = [Math.min(box[k][0], c), Math.max(box[k][1], c)]));
+    }
+    const [wide, high] = box.map(([low, top]) => top - low + 1e-9);
+    const [width, height] = [this.canvas.clientWidth || 1, this.canvas.clientHeight || 1];
+    const scale = (w, h) => Math.min((0.9 * w) / wide, Math.max(h - margin, 0.5 * h) / high);
+    return n > 1 && scale(width, height / n) > scale(width / n, height);
   }
 
   /** Turns the camera around the target by angles in radians. */
@@ -119,6 +177,7 @@ export class Stage {
     const { clientWidth, clientHeight } = this.canvas.parentElement;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.setSize(Math.max(1, clientWidth), Math.max(1, clientHeight), false);
+    this.onLayout?.(this.panes());
     this.invalidate();
   }
 
@@ -126,7 +185,7 @@ export class Stage {
   panes() {
     const [width, height] = [this.canvas.clientWidth || 1, this.canvas.clientHeight || 1];
     const n = this.models.length;
-    const stacked = n > 1 && height > 1.1 * width;
+    const stacked = this.stacked;
     return this.models.map((_, i) =>
       stacked
         ? { x: 0, y: (i * height) / n, width, height: height / n }
@@ -174,8 +233,7 @@ export class Stage {
   /** Unit vector of the light in coordinates of the eye. */
   lightInView() {
     const { azimuth, elevation, follows } = this.light;
-    const flat = Math.cos(elevation);
-    const l = new Vector3(Math.sin(azimuth) * flat, Math.sin(elevation), Math.cos(azimuth) * flat);
+    const l = direction(azimuth, elevation);
     return follows ? l : l.transformDirection(this.camera.matrixWorldInverse);
   }
 
