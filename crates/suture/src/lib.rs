@@ -13,6 +13,8 @@ mod arcs;
 mod charting;
 mod error;
 mod fill;
+mod flattening;
+mod page;
 mod reconstruct;
 mod repair;
 pub mod report;
@@ -21,7 +23,9 @@ mod watch;
 
 pub use error::SutureError;
 pub use fill::{Filled, Unfilled, fill_and_measure};
+pub use page::{degrees, facets};
 pub use reconstruct::{Fairness, ReconstructOptions, Reconstruction, Splits, Stages, reconstruct, samples};
+pub use flattening::ByChart;
 pub use repair::repair_all;
 pub use report::Report;
 pub use sew::{NormalSource, SewOptions, Sewn, sew_apatch, sew_bubble, vertex_normals};

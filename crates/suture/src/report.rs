@@ -6,6 +6,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Serialize;
 use suture_certify::{Certificate, Deviation, Stats};
+use suture_export::StepReport;
 use suture_mesh::TriMesh;
 use suture_surface::{Continuity, PatchKind, Surface};
 use suture_tessellate::Tessellation;
@@ -41,9 +42,15 @@ pub struct Report {
     /// The fits, one per segment.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fits: Vec<FitSummary>,
+    /// Of `compare`: one entry per method.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub compared: Vec<Compared>,
     /// The tessellation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tessellation: Option<TessellationReport>,
+    /// The STEP file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step: Option<StepFileReport>,
     /// Seconds per stage, and in total.
     pub seconds: BTreeMap<String, f64>,
     /// Largest resident memory of the process so far, where the system tells.
@@ -57,6 +64,38 @@ pub struct Report {
     /// Files written.
     pub outputs: Vec<String>,
     /// Present when the command failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<ErrorReport>,
+}
+
+/// What one method made of a mesh.
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
+pub struct Compared {
+    /// Its name.
+    pub method: String,
+    /// The order that it claims.
+    pub claimed: Option<String>,
+    /// The order that was measured.
+    pub measured: Option<String>,
+    /// Patches.
+    pub patches: usize,
+    /// Patches when the strips of one arc count as one.
+    pub patches_merged: usize,
+    /// Polynomial degrees in words.
+    pub degree: String,
+    /// Largest angle between normals across seams.
+    pub normal: Option<f64>,
+    /// Largest jump of the shape operator relative to the largest curvature beside it.
+    pub curvature: Option<f64>,
+    /// From the vertices of the mesh to the surface.
+    pub mesh_to_surface: Option<DistanceReport>,
+    /// From the surface to the facets of the mesh.
+    pub surface_to_mesh: Option<DistanceReport>,
+    /// Triangles of the tessellation.
+    pub triangles: usize,
+    /// Seconds from the mesh to the measured surface.
+    pub seconds: Option<f64>,
+    /// Why there is no result.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<ErrorReport>,
 }
@@ -181,6 +220,39 @@ pub struct TessellationReport {
     pub boundary_loops: usize,
     /// Genus of the oriented manifold, none if it is not one.
     pub genus: Option<usize>,
+}
+
+/// What is in a STEP file, and how far it is from the surface.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct StepFileReport {
+    /// Faces.
+    pub faces: usize,
+    /// Edges.
+    pub edges: usize,
+    /// Vertices.
+    pub vertices: usize,
+    /// Connected components: a solid each when closed, else a shell.
+    pub shells: usize,
+    /// Edges of one face only.
+    pub open_edges: usize,
+    /// Control points of all faces.
+    pub control_points: usize,
+    /// Largest distance of a face from its patch.
+    pub position: f64,
+    /// Largest distance between both sides of an edge, parameter for parameter.
+    pub gap: f64,
+    /// Largest angle between the normals across an edge.
+    pub angle: f64,
+    /// Largest jump of curvature across an edge, relative to the larger curvature there.
+    pub curvature: f64,
+    /// The two faces between which the curvature jumps most.
+    pub curvature_at: Option<[String; 2]>,
+    /// The tolerance that the file states, in its own units.
+    pub uncertainty: f64,
+    /// The diagonal that lengths are relative to, in the units of the file.
+    pub diagonal: f64,
+    /// Size of the file.
+    pub bytes: usize,
 }
 
 /// Why a command failed.
@@ -333,6 +405,26 @@ impl Report {
             oriented: check.oriented,
             boundary_loops: check.boundary_loops.total,
             genus: check.genus,
+        });
+    }
+
+    /// Enters a STEP file.
+    pub fn describe_step(&mut self, s: &StepReport) {
+        self.step = Some(StepFileReport {
+            faces: s.faces,
+            edges: s.edges,
+            vertices: s.vertices,
+            shells: s.shells,
+            open_edges: s.open_edges,
+            control_points: s.control_points,
+            position: s.position,
+            gap: s.gap,
+            angle: s.angle,
+            curvature: s.curvature,
+            curvature_at: s.curvature_at.clone(),
+            uncertainty: s.uncertainty,
+            diagonal: s.diagonal,
+            bytes: s.bytes,
         });
     }
 

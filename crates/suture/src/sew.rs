@@ -23,6 +23,8 @@ pub struct Sewn<R> {
     pub report: R,
     /// One watertight mesh of the surface.
     pub tessellation: Tessellation,
+    /// Of A-patches the tetrahedra that they live in, and whether each belongs to an edge; empty for other methods.
+    pub hull: Vec<([DVec3; 4], bool)>,
     /// How the seams join.
     pub certificate: Certificate,
     /// How far the surface lies from the mesh.
@@ -127,7 +129,8 @@ pub fn sew_apatch(
     }
     let report = implicit.report().clone();
     warnings.extend(doubts(&report, implicit.parents()));
-    measure(mesh, surface, report, tessellation, warnings, options, clock)
+    let sewn = measure(mesh, surface, report, tessellation, warnings, options, clock)?;
+    Ok(Sewn { hull: crate::page::hull(&implicit), ..sewn })
 }
 
 /// What an A-patch surface could not prove, in words. Faces are those of the input.
@@ -213,7 +216,8 @@ fn measure<R>(
     let deviation =
         clock.run(Stage::Deviation, || Ok(deviation(mesh, &surface, &samples(&tessellation))?))?;
     let seconds = clock.seconds;
-    Ok(Sewn { surface, report, tessellation, certificate, deviation, seconds, warnings })
+    let hull = Vec::new();
+    Ok(Sewn { surface, report, tessellation, hull, certificate, deviation, seconds, warnings })
 }
 
 /// Times the stages and tells of them.

@@ -45,6 +45,8 @@ pub enum Stage {
     Certify,
     /// Distances both ways.
     Deviation,
+    /// Faces, edges and curves of a STEP file.
+    Export,
 }
 
 impl Stage {
@@ -59,6 +61,7 @@ impl Stage {
             Self::Tessellate => "tessellate",
             Self::Certify => "certify",
             Self::Deviation => "deviation",
+            Self::Export => "export",
         }
     }
 }

@@ -31,12 +31,18 @@ pub(crate) enum Command {
     Bubble(Box<super::bubble::Bubble>),
     /// Fill the gaps and holes between surfaces, C⁰ to C³, G¹ or G²
     Fill(Box<super::fill::Fill>),
+    /// Show a saved surface or a mesh: one page for any browser, or a picture
+    View(Box<super::view::View>),
+    /// Lay the three kinds of surfaces over one mesh and show them side by side with one report
+    Compare(Box<super::compare::Compare>),
     /// Cut a closed triangle mesh into disc charts and write their labels
     Segment(Segment),
     /// Report every defect of a mesh
     Check(Check),
     /// Measure the seams of a saved surface, and its distance from a mesh
     Certify(Certify),
+    /// Write a saved surface in other formats
+    Export(Box<Export>),
     /// Print a completion script for a shell
     #[command(hide = true)]
     Completions {
@@ -69,7 +75,7 @@ pub(crate) struct Reconstruct {
     /// The mesh: .obj, .stl, .ply or .off; without it a built-in shape is taken and everything is written to suture-out/
     #[serde(skip)]
     pub(crate) input: Option<PathBuf>,
-    /// Where to write; the extension names the format: .glb .obj .ply .stl, .json (lossless), .png; may be repeated
+    /// Where to write; the extension names the format: .step (CAD), .glb .obj .ply .stl, .json (lossless), .png (picture), .html (page for any browser); may be repeated
     #[arg(long, short, value_name = "FILE")]
     #[serde(skip)]
     pub(crate) output: Vec<PathBuf>,
@@ -84,7 +90,35 @@ pub(crate) struct Reconstruct {
     pub(crate) shape: Shape,
     #[command(flatten)]
     #[serde(flatten)]
+    pub(crate) cad: Cad,
+    #[command(flatten)]
+    #[serde(flatten)]
     pub(crate) picture: Picture,
+}
+
+/// What CAD files (.step) are like.
+#[derive(ClapArgs, Debug, Serialize)]
+pub(crate) struct Cad {
+    /// Largest distance of the faces of a CAD file from the surface and from each other along edges; knots are refined until it holds
+    #[arg(long, value_name = "LENGTH", default_value_t = suture::export::StepOptions::default().tolerance)]
+    pub(crate) cad_tolerance: f64,
+    /// Unit of the coordinates, as CAD files state it
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) unit: Unit,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Unit {
+    /// Micrometre
+    Um,
+    /// Millimetre
+    #[default]
+    Mm,
+    /// Centimetre
+    Cm,
+    /// Metre
+    M,
 }
 
 /// Where the segments come from.
@@ -180,7 +214,7 @@ pub(crate) enum Parameterization {
     Spectral,
 }
 
-/// How pictures (.png) are drawn.
+/// How pictures (.png) are drawn and pages (.html) open.
 #[derive(ClapArgs, Debug, Serialize)]
 pub(crate) struct Picture {
     /// What a picture shows
@@ -227,6 +261,8 @@ pub(crate) enum Shade {
     Isophotes,
     /// Mean curvature
     Curvature,
+    /// Distance from the input mesh
+    Deviation,
     /// One colour
     Lit,
 }
@@ -264,4 +300,24 @@ pub(crate) struct Certify {
     /// Also measure the distance from this mesh
     #[arg(long, value_name = "FILE")]
     pub(crate) mesh: Option<PathBuf>,
+}
+
+#[derive(ClapArgs, Debug, Serialize)]
+pub(crate) struct Export {
+    /// The surface, as written by `-o NAME.json`
+    #[serde(skip)]
+    pub(crate) surface: PathBuf,
+    /// Where to write; the extension names the format: .step (CAD), .glb .obj .ply .stl, .json (lossless), .png; may be repeated
+    #[arg(long, short, value_name = "FILE", required = true)]
+    #[serde(skip)]
+    pub(crate) output: Vec<PathBuf>,
+    /// Largest distance of the tessellation's chords from the surface
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) chord: Option<f64>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) cad: Cad,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) picture: Picture,
 }

@@ -6,9 +6,10 @@ use clap::CommandFactory;
 use suture::blend::{Intent, WidthOptions};
 use suture::mesh::{Topology, TriMesh, shapes};
 use suture::segment::write_labels;
+use suture::view::PageModel;
 use suture::{
-    Fairness, ReconstructOptions, Report, Splits, Stages, SutureError, Watch, reconstruct, repair_all,
-    samples,
+    Fairness, ReconstructOptions, Report, Splits, Stages, SutureError, Watch, degrees, reconstruct,
+    repair_all, samples,
 };
 
 use super::args::{self, Args, Command};
@@ -28,9 +29,12 @@ pub(crate) fn run(args: &Args) -> Result<bool, SutureError> {
         Command::Apatch(a) => super::apatch::run(a, &args.common, &mut report),
         Command::Bubble(a) => super::bubble::run(a, &args.common, &mut report),
         Command::Fill(a) => super::fill::run(a, &args.common, &mut report),
+        Command::View(a) => super::view::run(a, &args.common, &mut report),
+        Command::Compare(a) => super::compare::run(a, &args.common, &mut report),
         Command::Segment(a) => segment_command(a, &args.common, &mut report),
         Command::Check(a) => check_command(a, &args.common, &mut report),
         Command::Certify(a) => certify_command(a, &args.common, &mut report),
+        Command::Export(a) => super::export::run(a, &args.common, &mut report),
         Command::Completions { shell } => {
             clap_complete::generate(*shell, &mut Args::command(), "suture", &mut std::io::stdout());
             return Ok(true);
@@ -64,9 +68,12 @@ fn name(command: &Command) -> &'static str {
         Command::Apatch(_) => "apatch",
         Command::Bubble(_) => "bubble",
         Command::Fill(_) => "fill",
+        Command::View(_) => "view",
+        Command::Compare(_) => "compare",
         Command::Segment(_) => "segment",
         Command::Check(_) => "check",
         Command::Certify(_) => "certify",
+        Command::Export(_) => "export",
         Command::Completions { .. } => "completions",
         Command::Man => "man",
         Command::Schema => "schema",
@@ -79,9 +86,12 @@ fn input_of(command: &Command) -> Option<&Path> {
         Command::Apatch(a) => Some(&a.local.input),
         Command::Bubble(a) => Some(&a.local.input),
         Command::Fill(a) => Some(&a.input),
+        Command::View(a) => Some(&a.input),
+        Command::Compare(a) => Some(&a.input),
         Command::Segment(a) => Some(&a.input),
         Command::Check(a) => Some(&a.input),
         Command::Certify(a) => Some(&a.surface),
+        Command::Export(a) => Some(&a.surface),
         _ => None,
     }
 }
@@ -100,7 +110,8 @@ fn reconstruct_command(
         let folder = PathBuf::from(DEFAULT_FOLDER);
         std::fs::create_dir_all(&folder)
             .map_err(|source| SutureError::File { path: folder.clone(), source })?;
-        paths = ["surface.glb", "surface.json", "surface.png"].map(|f| folder.join(f)).to_vec();
+        paths =
+            ["surface.glb", "surface.json", "surface.png", "surface.html"].map(|f| folder.join(f)).to_vec();
         json = common.json.is_none().then(|| folder.join("report.json"));
     }
     let outputs: Vec<output::Output> =
@@ -130,10 +141,20 @@ fn reconstruct_command(
     if progress.interrupted() {
         return Err(SutureError::Interrupted);
     }
-    for target in &outputs {
-        let path = target.write(&result.blend.surface, &result.tessellation, &view)?;
-        report.outputs.push(path.display().to_string());
-    }
+    let made = output::Made {
+        model: PageModel {
+            certificate: Some(&result.certificate),
+            deviation: Some(&result.deviation),
+            mesh: Some(&mesh),
+            labels: Some(&result.segmentation.labels),
+            degrees: degrees(&result.blend.surface),
+            ..PageModel::new("", &result.blend.surface, &result.tessellation)
+        },
+        view: &view,
+        cad: &a.cad,
+        diagonal: mesh.diagonal(),
+    };
+    output::all(&outputs, &made, &progress, report)?;
     drop(progress);
     if let Some(path) = json {
         output::report(report, &path)?;
@@ -192,6 +213,13 @@ fn suitable(report: &Report) -> Result<(), SutureError> {
         ));
     }
     Ok(())
+}
+
+/// Whether a mesh can be reconstructed at all.
+pub(crate) fn suitable_mesh(mesh: &TriMesh) -> Result<(), SutureError> {
+    let mut report = Report::default();
+    report.describe_mesh(mesh);
+    suitable(&report)
 }
 
 pub(crate) fn settings(arguments: &impl serde::Serialize) -> serde_json::Map<String, serde_json::Value> {
@@ -275,6 +303,18 @@ pub(crate) fn summary(report: &Report) -> String {
             t.genus.map_or("none".into(), |g| g.to_string())
         ));
     }
+    if let Some(s) = &report.step {
+        line(format!(
+            "STEP         {} faces, {} edges, {} vertices; from the surface {:.1e}, between faces {:.1e} of the diagonal, {:.4}°, curvature {:.2} %",
+            s.faces,
+            s.edges,
+            s.vertices,
+            s.position,
+            s.gap,
+            s.angle.to_degrees(),
+            100.0 * s.curvature
+        ));
+    }
     for warning in &report.warnings {
         line(format!("note         {warning}"));
     }
@@ -351,11 +391,7 @@ fn certify_command(
     common: &args::Common,
     report: &mut Report,
 ) -> Result<bool, SutureError> {
-    let bytes =
-        std::fs::read(&a.surface).map_err(|source| SutureError::File { path: a.surface.clone(), source })?;
-    let surface = suture::load_surface(&bytes).map_err(|e| SutureError::Unsuitable {
-        what: format!("{}: not a surface saved as native JSON by `-o NAME.json`: {e}", a.surface.display()),
-    })?;
+    let surface = input::surface(&a.surface)?;
     let options = ReconstructOptions::default();
     let tessellation = suture::tessellate::tessellate(&surface, &options.tessellation)?;
     let mut notices = Vec::new();

@@ -8,7 +8,8 @@ use serde::Serialize;
 use suture::coons::{self, Family, FillOptions, Gap, GapOptions, Order, scene};
 use suture::surface::{EdgeRef, PatchId};
 use suture::tessellate::TessellationOptions;
-use suture::{Report, SutureError, Unfilled, fill_and_measure};
+use suture::view::PageModel;
+use suture::{Report, SutureError, Unfilled, degrees, fill_and_measure};
 
 use super::commands::{settings, summary};
 use super::progress::Progress;
@@ -19,7 +20,7 @@ pub(crate) struct Fill {
     /// A scene (surfaces and what to fill between them, docs/fill-scene.md), or a surface as written by `-o NAME.json`
     #[serde(skip)]
     pub(crate) input: PathBuf,
-    /// Where to write; the extension names the format: .glb .obj .ply .stl, .json (lossless), .png; may be repeated
+    /// Where to write; the extension names the format: .step (CAD), .glb .obj .ply .stl, .json (lossless), .png (picture), .html (page for any browser); may be repeated
     #[arg(long, short, value_name = "FILE", required = true)]
     #[serde(skip)]
     output: Vec<PathBuf>,
@@ -45,6 +46,9 @@ pub(crate) struct Fill {
     /// Largest distance of the tessellation's chords from the surface
     #[arg(long, value_name = "LENGTH", default_value_t = TessellationOptions::default().chord)]
     chord: f64,
+    #[command(flatten)]
+    #[serde(flatten)]
+    cad: args::Cad,
     #[command(flatten)]
     #[serde(flatten)]
     picture: args::Picture,
@@ -106,10 +110,17 @@ pub(crate) fn run(a: &Fill, common: &args::Common, report: &mut Report) -> Resul
     let progress = Progress::new(common.quiet);
     let filled = fill_and_measure(unfilled, &options, &search, &tessellation, &progress)?;
     report.describe_filled(&filled);
-    for target in &outputs {
-        let path = target.write(&filled.surface, &filled.tessellation, &view)?;
-        report.outputs.push(path.display().to_string());
-    }
+    let made = output::Made {
+        model: PageModel {
+            certificate: Some(&filled.certificate),
+            degrees: degrees(&filled.surface),
+            ..PageModel::new("", &filled.surface, &filled.tessellation)
+        },
+        view: &view,
+        cad: &a.cad,
+        diagonal: filled.tessellation.mesh.diagonal(),
+    };
+    output::all(&outputs, &made, &progress, report)?;
     drop(progress);
     if !common.quiet {
         filled.report.fills.iter().enumerate().for_each(|(i, fill)| println!("{}", line(i, fill)));

@@ -9,7 +9,7 @@ use suture::param::{Lscm, Parameterize, Recommended, Spectral};
 use suture::segment::{
     Automatic, AutomaticOptions, Labels, Segment, WaypointOptions, Waypoints, read_labels, read_paths,
 };
-use suture::{SutureError, repair_all};
+use suture::{ByChart, SutureError, repair_all};
 
 use super::args;
 
@@ -29,6 +29,14 @@ pub(crate) fn mesh(path: &Path, repairing: bool, notices: &mut Vec<String>) -> R
     Ok(mesh)
 }
 
+/// Loads a surface that was saved as native JSON.
+pub(crate) fn surface(path: &Path) -> Result<suture::surface::Surface, SutureError> {
+    let bytes = std::fs::read(path).map_err(|source| SutureError::File { path: path.to_owned(), source })?;
+    suture::load_surface(&bytes).map_err(|e| SutureError::Unsuitable {
+        what: format!("{}: not a surface saved as native JSON by `-o NAME.json`: {e}", path.display()),
+    })
+}
+
 pub(crate) fn text(path: &Path) -> Result<String, SutureError> {
     std::fs::read_to_string(path).map_err(|source| SutureError::File { path: path.to_owned(), source })
 }
@@ -43,7 +51,7 @@ pub(crate) fn segmentation(args: &args::Segmentation) -> Result<Box<dyn Segment>
         return Ok(Box::new(Waypoints { paths: read_paths(&text(path)?)?, options }));
     }
     let options = AutomaticOptions { charts: args.charts, ..AutomaticOptions::default() };
-    Ok(Box::new(Automatic { options, ..Automatic::default() }))
+    Ok(Box::new(Automatic { options, flatten: Box::new(ByChart::<Recommended>::default()) }))
 }
 
 pub(crate) fn parameterization(args: &args::Shape) -> Box<dyn Parameterize + Sync> {

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args as ClapArgs, ValueEnum};
 use serde::Serialize;
 use suture::mesh::TriMesh;
-use suture::{NormalSource, Report, SewOptions, Sewn, SutureError, Watch};
+use suture::view::PageModel;
+use suture::{NormalSource, Report, SewOptions, Sewn, SutureError, Watch, degrees};
 
 use super::commands::summary;
 use super::progress::Progress;
@@ -17,7 +18,7 @@ pub(crate) struct Local {
     /// The mesh, open or closed: .obj, .stl, .ply or .off
     #[serde(skip)]
     pub(crate) input: PathBuf,
-    /// Where to write; the extension names the format: .glb .obj .ply .stl, .json (lossless), .png; may be repeated
+    /// Where to write; the extension names the format: .step (CAD), .glb .obj .ply .stl, .json (lossless), .png (picture), .html (page for any browser); may be repeated
     #[arg(long, short, value_name = "FILE", required = true)]
     #[serde(skip)]
     pub(crate) output: Vec<PathBuf>,
@@ -30,6 +31,9 @@ pub(crate) struct Local {
     /// Repair first what can be repaired safely: weld equal vertices, orient faces, drop isolated vertices and degenerate or duplicate faces
     #[arg(long)]
     pub(crate) repair: bool,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) cad: args::Cad,
     #[command(flatten)]
     #[serde(flatten)]
     pub(crate) picture: args::Picture,
@@ -87,10 +91,20 @@ impl Local {
         if progress.interrupted() {
             return Err(SutureError::Interrupted);
         }
-        for target in &outputs {
-            let path = target.write(&sewn.surface, &sewn.tessellation, &view)?;
-            report.outputs.push(path.display().to_string());
-        }
+        let made = output::Made {
+            model: PageModel {
+                certificate: Some(&sewn.certificate),
+                deviation: Some(&sewn.deviation),
+                mesh: Some(&mesh),
+                hull: sewn.hull.clone(),
+                degrees: degrees(&sewn.surface),
+                ..PageModel::new("", &sewn.surface, &sewn.tessellation)
+            },
+            view: &view,
+            cad: &self.cad,
+            diagonal: mesh.diagonal(),
+        };
+        output::all(&outputs, &made, &progress, report)?;
         drop(progress);
         if !common.quiet {
             print!("{}", summary(report));

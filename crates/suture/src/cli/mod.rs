@@ -4,11 +4,14 @@ mod apatch;
 mod args;
 mod bubble;
 mod commands;
+mod compare;
+mod export;
 mod fill;
 mod input;
 mod local;
 mod output;
 mod progress;
+mod view;
 
 use std::process::ExitCode;
 

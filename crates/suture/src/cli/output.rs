@@ -3,17 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use suture::export::{self, Format};
-use suture::surface::Surface;
-use suture::tessellate::Tessellation;
-use suture::view::{self, Camera, ViewOptions};
-use suture::{Report, SutureError};
+use suture::export::{self, Format, LengthUnit, StepOptions};
+use suture::view::{self, Camera, Page, PageModel, ViewOptions};
+use suture::{Report, Stage, SutureError, Watch};
 
-use super::args::{Axis, Picture, Shade};
+use super::args::{Axis, Cad, Picture, Shade, Unit};
 
 /// A file to write, its format known.
 pub(crate) enum Output {
     Picture(PathBuf),
+    Page(PathBuf),
     Model(PathBuf, Format),
 }
 
@@ -24,18 +23,44 @@ impl Output {
         if extension == "png" {
             return Ok(Self::Picture(path.to_owned()));
         }
+        if extension == "html" || extension == "htm" {
+            return Ok(Self::Page(path.to_owned()));
+        }
         Ok(Self::Model(path.to_owned(), Format::from_path(path)?))
     }
 
-    pub(crate) fn write(
-        &self,
-        surface: &Surface,
-        tessellation: &Tessellation,
-        options: &ViewOptions,
-    ) -> Result<&Path, SutureError> {
+    /// Refuses what is no page.
+    pub(crate) fn page(path: &Path) -> Result<(), SutureError> {
+        match Self::parse(path)? {
+            Self::Page(_) => Ok(()),
+            _ => {
+                let what = format!("{}: only pages (.html) can show surfaces side by side", path.display());
+                Err(SutureError::Unsuitable { what })
+            }
+        }
+    }
+
+    fn write_made(&self, made: &Made<'_>, report: &mut Report) -> Result<&Path, SutureError> {
+        let model = &made.model;
+        let (surface, tessellation) = (model.surface, model.tessellation);
         match self {
             Self::Picture(path) => {
-                view::render(tessellation, surface, options)?.write_png(path)?;
+                let picture = match model.deviation {
+                    Some(d) => view::render_deviation(tessellation, surface, &d.vertex_distances, made.view)?,
+                    None => view::render(tessellation, surface, made.view)?,
+                };
+                picture.write_png(path)?;
+                Ok(path)
+            }
+            Self::Page(path) => {
+                let model = PageModel { report: snapshot(report), ..model.clone() };
+                Page { title: title(report), models: vec![model], view: made.view.clone() }
+                    .write_html(path)?;
+                Ok(path)
+            }
+            Self::Model(path, Format::Step) => {
+                let step = export::write_step(path, surface, &made.step_options(path))?;
+                report.describe_step(&step);
                 Ok(path)
             }
             Self::Model(path, format) => {
@@ -46,7 +71,70 @@ impl Output {
     }
 }
 
-/// What pictures look like.
+/// What there is to write, and how.
+pub(crate) struct Made<'a> {
+    /// The surface and everything that pages show of it; they add the report.
+    pub(crate) model: PageModel<'a>,
+    pub(crate) view: &'a ViewOptions,
+    pub(crate) cad: &'a Cad,
+    /// What lengths are relative to.
+    pub(crate) diagonal: f64,
+}
+
+impl Made<'_> {
+    fn step_options(&self, path: &Path) -> StepOptions {
+        let name = path.file_stem().map(|n| n.to_string_lossy().into_owned());
+        StepOptions {
+            tolerance: self.cad.cad_tolerance,
+            diagonal: Some(self.diagonal),
+            name: name.unwrap_or_default(),
+            unit: match self.cad.unit {
+                Unit::Um => LengthUnit::Micrometre,
+                Unit::Mm => LengthUnit::Millimetre,
+                Unit::Cm => LengthUnit::Centimetre,
+                Unit::M => LengthUnit::Metre,
+            },
+            ..StepOptions::default()
+        }
+    }
+}
+
+/// Writes everything asked for and enters it in the report.
+pub(crate) fn all(
+    outputs: &[Output],
+    made: &Made<'_>,
+    watch: &dyn Watch,
+    report: &mut Report,
+) -> Result<(), SutureError> {
+    watch.begin(Stage::Export, outputs.len());
+    let start = std::time::Instant::now();
+    for target in outputs {
+        if watch.interrupted() {
+            return Err(SutureError::Interrupted);
+        }
+        let path = target.write_made(made, report)?;
+        report.outputs.push(path.display().to_string());
+        watch.step();
+    }
+    report.seconds.insert(Stage::Export.name().into(), start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// The heading of a page: file and command.
+pub(crate) fn title(report: &Report) -> String {
+    let file = report.input_file.as_ref().and_then(|f| Path::new(f).file_name()).map(|f| f.to_string_lossy());
+    format!("{} · {}", file.as_deref().unwrap_or("built-in shape"), report.command)
+}
+
+/// The report so far, as a page shows it.
+pub(crate) fn snapshot(report: &Report) -> serde_json::Value {
+    let mut report = report.clone();
+    report.peak_memory_bytes = suture::report::peak_memory();
+    // Numbers, strings and maps have a JSON form.
+    serde_json::to_value(&report).unwrap_or_default()
+}
+
+/// What pictures look like and how pages open.
 pub(crate) fn view_options(args: &Picture) -> Result<ViewOptions, SutureError> {
     let bad = || SutureError::Unsuitable {
         what: format!("--size {}: must be WIDTHxHEIGHT in pixels, for example 800x600", args.size),
@@ -60,6 +148,7 @@ pub(crate) fn view_options(args: &Picture) -> Result<ViewOptions, SutureError> {
             Shade::Reflection => view::Shade::Reflection,
             Shade::Isophotes => view::Shade::Isophotes,
             Shade::Curvature => view::Shade::Curvature,
+            Shade::Deviation => view::Shade::Deviation,
             Shade::Lit => view::Shade::Lit,
         },
         up: match args.up {
