@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use suture_coons::{
     Analytic, Constituent, CoonsError, FillOptions, FillSurface, GapOptions, JoinCertificate, Map, Mapped,
-    Order, Shape, SheetPatch, fill, fill_gaps, find_gaps, load, scene, split_hole,
+    Order, Shape, SheetPatch, fill, fill_gaps, find_gaps, load, scene, scene::SceneFill, split_hole,
 };
 use suture_surface::{Patch, SplinePool, Surface};
 
@@ -76,6 +76,50 @@ fn a_scene_is_filled() {
     }
     assert!(serde_json::to_value(&made.report).unwrap()["fills"][0]["certificate"]["corners"].is_object());
     check_saved(&made);
+}
+
+#[test]
+fn the_scenes_of_the_documentation_are_filled() {
+    let text = include_str!("../../../docs/fill-scene.md");
+    let blocks: Vec<&str> =
+        text.split("```json\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert!(!blocks.is_empty());
+    for block in blocks {
+        let made = fill(&scene::read(block).unwrap(), &FillOptions::default()).unwrap();
+        let (distance, angle) = joins(&made.surface);
+        assert!(distance < 1e-14 && angle < 1e-11, "{distance} {angle}");
+    }
+}
+
+#[test]
+fn gaps_between_the_surfaces_of_a_scene_are_found() {
+    let mut scene = scene::read(GAP).unwrap();
+    let named = std::mem::take(&mut scene.fills);
+    let found = scene.with_gaps(&GapOptions::default()).unwrap();
+    assert!(!found.fills.is_empty() && found.surfaces == scene.surfaces);
+    // The gap between pipe and cone, whichever edge comes first.
+    let SceneFill::Gap { between, .. } = &named[0] else { panic!() };
+    let of = |f: &SceneFill| match f {
+        SceneFill::Gap { between: [a, b], .. } => [(a.surface.clone(), a.edge), (b.surface.clone(), b.edge)],
+        _ => panic!(),
+    };
+    let want = [(between[0].surface.clone(), between[0].edge), (between[1].surface.clone(), between[1].edge)];
+    assert!(found.fills.iter().map(of).any(|[a, b]| [a.clone(), b.clone()] == want || [b, a] == want));
+    let made = fill(&found.with_order(Order::G2), &FillOptions::default()).unwrap();
+    assert!(made.report.fills.iter().all(|f| f.asked == Order::G2 && f.reached() == Some(Order::G2)));
+    scene.surfaces.remove("cone");
+    scene.surfaces.remove("plate");
+    assert!(matches!(scene.with_gaps(&GapOptions::default()), Err(CoonsError::NoGap { .. })));
+}
+
+#[test]
+fn orders_without_a_theorem_are_refused_for_three_sides() {
+    let text = include_str!("../examples/scenes/fig10.json");
+    for order in [Order::C3, Order::G2] {
+        let scene = scene::read(text).unwrap().with_order(order);
+        let e = fill(&scene, &FillOptions::default()).unwrap_err();
+        assert!(matches!(e, CoonsError::ThreeSidedOrder { asked } if asked == order), "{e}");
+    }
 }
 
 #[test]
