@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use suture_bernstein::BezierCurve;
 use suture_surface::{
@@ -107,23 +107,27 @@ pub fn split_hole(sides: &[Sheet], options: &FillOptions) -> Result<SplitHole, C
             (d - normal * d.dot(normal)).normalize_or_zero() * d.length()
         })
         .collect();
+    let starts: Vec<[DVec3; 3]> = corners.iter().map(|c| c.leave(center)).collect();
+    let bends: Vec<DVec3> = (0..n).map(|i| bend_at_end(corners[i].p, &starts[i], center, -out[i])).collect();
+    let curvature = Hessian::nearest(normal, &out, &bends);
     let mut spokes = Vec::with_capacity(n);
     let mut fields = Vec::with_capacity(n);
     for (i, c) in corners.iter().enumerate() {
         let net = |source| CoonsError::Net { what: format!("spoke {i}"), source };
-        let (start, bend, turn) = c.leave(center);
-        spokes.push(hermite(&[c.p, start, bend], &[center, -out[i], DVec3::ZERO]).map_err(net)?);
-        fields.push(hermite(&[c.normal, turn], &[normal, DVec3::ZERO]).map_err(net)?);
+        let [start, bend, turn] = starts[i];
+        spokes.push(hermite(&[c.p, start, bend], &[center, -out[i], bends[i]]).map_err(net)?);
+        fields.push(hermite(&[c.normal, turn], &[normal, curvature.gradient(out[i])]).map_err(net)?);
     }
     let blend: Arc<dyn Blend> = Arc::new(options.family.flat(2));
     let mut wedges = Vec::with_capacity(n);
     for i in 0..n {
         let j = (i + 1) % n;
         let net = |source| CoonsError::Net { what: "the centre".into(), source };
-        // The plane of the centre, as a ribbon that shrinks to it.
+        // What the spokes say of the centre to second order, as a ribbon that shrinks to it.
         let curves: Vec<Arc<dyn BorderCurve>> = vec![
             Arc::new(BezierCurve::new(vec![center]).map_err(net)?),
             Arc::new(BezierCurve::new(vec![-out[i], -out[j]]).map_err(net)?),
+            Arc::new(BezierCurve::new(curvature.second(out[i], out[j]).to_vec()).map_err(net)?),
         ];
         let borders: [Arc<dyn BorderCurve>; 2] = [Arc::new(spokes[i].clone()), Arc::new(spokes[j].clone())];
         let cap: Sheet = Arc::new(Ribbon { at: 1.0, curves });
@@ -178,7 +182,7 @@ impl Corner {
     }
 
     /// First and second derivative of a spoke to `center`, and the derivative of the normal along it.
-    fn leave(&self, center: DVec3) -> (DVec3, DVec3, DVec3) {
+    fn leave(&self, center: DVec3) -> [DVec3; 3] {
         let chord = center - self.p;
         let flat = |d: DVec3| d - self.normal * d.dot(self.normal);
         // Halfway between the bisector and the chord: convex at reflex corners, straight in regular holes.
@@ -195,7 +199,52 @@ impl Corner {
             let unit = n / nn.sqrt();
             turn += (dn - unit * dn.dot(unit)) / nn.sqrt() * 0.5;
         }
-        (start, bend, turn)
+        [start, bend, turn]
+    }
+}
+
+/// The second derivative at its end of the quartic from `from`, with first and second derivative there, to `to` with first derivative `end`:
+/// on a quadric surface spokes are then nearly parabolas.
+fn bend_at_end(from: DVec3, [start, bend, _]: &[DVec3; 3], to: DVec3, end: DVec3) -> DVec3 {
+    let (start, bend, way) = (*start, *bend, to - from);
+    let fourth = end + start * 2.0 + bend * 0.5 - way * 3.0;
+    let third = way - start - bend * 0.5 - fourth;
+    bend + third * 6.0 + fourth * 12.0
+}
+
+/// The second fundamental form at the centre, as `normal · (gᵀ q)` with `g = (x², 2xy, y²)` in the plane across `normal`.
+struct Hessian {
+    normal: DVec3,
+    axes: [DVec3; 2],
+    q: DVec3,
+}
+
+impl Hessian {
+    /// The form nearest to second derivatives `bends` in the directions `out`, the smallest one where they do not determine it.
+    fn nearest(normal: DVec3, out: &[DVec3], bends: &[DVec3]) -> Self {
+        let (e, f) = normal.any_orthonormal_pair();
+        let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
+        for (d, b) in out.iter().zip(bends) {
+            let (x, y) = (d.dot(e), d.dot(f));
+            let g = DVec3::new(x * x, 2.0 * x * y, y * y);
+            matrix += DMat3::from_cols(g * g.x, g * g.y, g * g.z);
+            right += g * b.dot(normal);
+        }
+        let trace = matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z;
+        let q = (matrix + DMat3::from_diagonal(DVec3::splat(1e-9 * trace))).inverse() * right;
+        Self { normal, axes: [e, f], q: if q.is_finite() { q } else { DVec3::ZERO } }
+    }
+
+    /// Half the gradient of the form at `d`: by how much a normal of length 1 at the centre turns back along `d`.
+    fn gradient(&self, d: DVec3) -> DVec3 {
+        let ([e, f], q) = (self.axes, self.q);
+        let (x, y) = (d.dot(e), d.dot(f));
+        e * (q.x * x + q.y * y) + f * (q.y * x + q.z * y)
+    }
+
+    /// Bézier points of the second derivative in the direction `(1 − u) a + u b`.
+    fn second(&self, a: DVec3, b: DVec3) -> [DVec3; 3] {
+        [(a, a), (a, b), (b, b)].map(|(a, b)| self.normal * self.gradient(a).dot(b))
     }
 }
 
@@ -210,7 +259,7 @@ fn center(sides: &[Sheet], corners: &[Corner]) -> DVec3 {
         // Only the height over the tangent plane is asked of the continuation: the place is that of the middle.
         let flat = way - normal * way.dot(normal);
         let w = flat.dot(j.dv) / j.dv.length_squared();
-        let curved = if w.is_finite() { normal * (0.25 * j.dvv.dot(normal) * w * w) } else { DVec3::ZERO };
+        let curved = if w.is_finite() { normal * (0.5 * j.dvv.dot(normal) * w * w) } else { DVec3::ZERO };
         j.p + flat + curved
     };
     sides.iter().map(reach).fold(DVec3::ZERO, |s, x| s + x) / n

@@ -265,6 +265,7 @@ fn split_holes_state_what_they_reach() {
         assert_eq!(c.reached, Order::G1, "{n}: {c:?}");
         assert!(c.position < 1e-14, "{n}: {c:?}");
         assert_eq!(split.spoke_seams(3).len(), n);
+        let mut beside = 0.0f64;
         for w in &split.wedges {
             // Derivatives are those of the points.
             let (at, h) = (DVec2::new(0.3, 0.4), 1e-5);
@@ -275,11 +276,15 @@ fn split_holes_state_what_they_reach() {
             assert!(((p(0.0, h).du - p(0.0, -h).du) / (2.0 * h)).distance(j.duv) < 1e-7);
             for i in 0..=6 {
                 for k in 0..=6 {
+                    let p = w.jet(DVec2::new(f64::from(i), f64::from(k)) / 6.0).p;
+                    beside = beside.max((p.z - bowl(p.truncate())[0]).abs());
                     let n = w.normal(DVec2::new(f64::from(i), f64::from(k)) / 6.0).unwrap();
                     assert!(n.z > 0.5, "{i} {k} {n}");
                 }
             }
         }
+        // Not reproduced, but not left either: the bowl is 0.3 high.
+        assert!(beside < 0.006, "{n} sides: {beside}");
     }
     // A neighbour with another tangent plane.
     let flat = graph_sides(5, |_| [0.0; 6]);
