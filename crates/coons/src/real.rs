@@ -36,7 +36,8 @@ impl Real for f64 {
 
 /// A closed interval that contains the exact result of the operations that made it (R. E. Moore, *Interval Analysis*, 1966).
 ///
-/// Every operation is rounded outwards by one unit in the last place. Sine and cosine trust the platform's to `2⁻⁵⁰`.
+/// An end is moved outwards by one unit in the last place where the operation was not exact in its favour, which error-free transformations
+/// tell (T. J. Dekker, *A floating-point technique for extending the available precision*, 1971). Sine and cosine trust the platform's to `2⁻⁵⁰`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end.
@@ -57,18 +58,47 @@ impl Interval {
     }
 }
 
+/// The rounded result and the sign of what it lacks; NaN where that is not known.
+type Rounded = (f64, f64);
+
+fn down((x, lack): Rounded) -> f64 {
+    if lack >= 0.0 { x } else { x.next_down() }
+}
+
+fn up((x, lack): Rounded) -> f64 {
+    if lack <= 0.0 { x } else { x.next_up() }
+}
+
+fn sum(a: f64, b: f64) -> Rounded {
+    let s = a + b;
+    let t = s - a;
+    // Exact unless something overflows, which makes it NaN.
+    (s, (a - (s - t)) + (b - t))
+}
+
+/// Between these, remainders of products and quotients neither under- nor overflow.
+fn safe(x: f64) -> bool {
+    (1e-250..1e250).contains(&x.abs())
+}
+
+fn product(a: f64, b: f64) -> Rounded {
+    let p = a * b;
+    let exact = a == 0.0 || b == 0.0;
+    let lack = if exact { 0.0 } else { a.mul_add(b, -p) };
+    (p, if exact || safe(p) { lack } else { f64::NAN })
+}
+
+fn reciprocal(x: f64) -> Rounded {
+    let q = 1.0 / x;
+    // 1/x − q = (1 − q x)/x.
+    (q, if safe(q) { (-q).mul_add(x, 1.0) * x.signum() } else { f64::NAN })
+}
+
 impl Add for Interval {
     type Output = Self;
 
     fn add(self, o: Self) -> Self {
-        // Sums with zero are exact: without this, sparse expansions would widen for nothing.
-        if o == ZERO {
-            self
-        } else if self == ZERO {
-            o
-        } else {
-            Self::outward(self.lo + o.lo, self.hi + o.hi)
-        }
+        Self { lo: down(sum(self.lo, o.lo)), hi: up(sum(self.hi, o.hi)) }
     }
 }
 
@@ -95,20 +125,15 @@ impl Mul for Interval {
         if self == ZERO || o == ZERO {
             return ZERO;
         }
-        if o == ONE {
-            return self;
-        }
-        if self == ONE {
-            return o;
-        }
-        let p = [self.lo * o.lo, self.lo * o.hi, self.hi * o.lo, self.hi * o.hi];
-        if p.iter().any(|x| x.is_nan()) {
+        let p =
+            [product(self.lo, o.lo), product(self.lo, o.hi), product(self.hi, o.lo), product(self.hi, o.hi)];
+        if p.iter().any(|(x, _)| x.is_nan()) {
             return EVERYTHING;
         }
-        Self::outward(
-            p.iter().copied().fold(f64::INFINITY, f64::min),
-            p.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        )
+        Self {
+            lo: p.into_iter().map(down).fold(f64::INFINITY, f64::min),
+            hi: p.into_iter().map(up).fold(f64::NEG_INFINITY, f64::max),
+        }
     }
 }
 
@@ -122,10 +147,11 @@ impl Real for Interval {
     }
 
     fn recip(self) -> Self {
-        if self == ONE {
-            return ONE;
+        if self.lo > 0.0 || self.hi < 0.0 {
+            Self { lo: down(reciprocal(self.hi)), hi: up(reciprocal(self.lo)) }
+        } else {
+            EVERYTHING
         }
-        if self.lo > 0.0 || self.hi < 0.0 { Self::outward(1.0 / self.hi, 1.0 / self.lo) } else { EVERYTHING }
     }
 
     fn sin_cos(self) -> (Self, Self) {
@@ -158,6 +184,21 @@ mod tests {
         let (s, c) = Interval::of(0.7).sin_cos();
         let unit = s * s + c * c;
         assert!(unit.lo <= 1.0 && 1.0 <= unit.hi && unit.hi - unit.lo < 1e-14);
+        // What is exact stays a number.
+        let (x, y) = (Interval::of(0.375), Interval::of(-1.5));
+        assert_eq!((x + y, x * y), (Interval::of(-1.125), Interval::of(-0.5625)));
+        assert_eq!(Interval::of(-0.25).recip(), Interval::of(-4.0));
+        // What is not is enclosed in one unit, on the right side: 0.1 + 0.2 lies below the number it is rounded to.
+        let s = Interval::of(0.1) + Interval::of(0.2);
+        assert_eq!((s.lo, s.hi), ((0.1 + 0.2f64).next_down(), 0.1 + 0.2));
+        for (a, b) in [(0.1, 0.7), (-3.3, 0.7), (1e-300, 1e-200), (1e300, -1e200), (f64::MIN_POSITIVE, 0.1)] {
+            let p = Interval::of(a) * Interval::of(b);
+            assert!(p.lo <= a * b && a * b <= p.hi && p.lo < p.hi, "{a} {b} {p:?}");
+        }
+        let huge = Interval::of(f64::MAX) + Interval::of(f64::MAX);
+        assert!(huge.lo == f64::MAX && huge.hi == f64::INFINITY);
+        let tiny = Interval::of(1e-320).recip();
+        assert!(tiny.lo <= f64::MAX && tiny.hi == f64::INFINITY);
         assert_eq!(Interval { lo: -1.0, hi: 1.0 }.recip().magnitude(), f64::INFINITY);
         assert_eq!(Interval::of(f64::NAN).magnitude(), f64::INFINITY);
     }

