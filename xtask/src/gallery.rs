@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::step::{cargo, run, step};
+use crate::step::{cargo, step};
 
 /// Runs every command of the gallery; those that need meshes that are not part of the project are left out where these are absent.
 ///
@@ -26,11 +26,12 @@ pub(crate) fn draw(root: &Path) -> Result<(), String> {
             continue;
         }
         step(&format!("suture {}", words.join(" ")), || {
-            run(cargo()
-                .args(["run", "--release", "--quiet", "-p", "suture", "--"])
-                .args(words)
-                .arg("--quiet")
-                .current_dir(root))
+            let mut command = cargo();
+            command.args(["run", "--release", "--quiet", "-p", "suture", "--"]).args(words).arg("--quiet");
+            let status =
+                command.current_dir(root).status().map_err(|e| format!("cargo cannot be started: {e}"))?;
+            // 1: there is a picture, of a surface that keeps less than it claims. Some figures are there to show just that.
+            if matches!(status.code(), Some(0 | 1)) { Ok(()) } else { Err(format!("it ended with {status}")) }
         })?;
     }
     Ok(())

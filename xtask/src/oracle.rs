@@ -1,4 +1,4 @@
-//! `cargo xtask oracle`: compares results with libigl, SciPy and trimesh.
+//! `cargo xtask oracle`: compares results with libigl, SciPy, trimesh and OpenCASCADE.
 //!
 //! The programs are Python packages pinned in `tests/oracle/requirements.txt`; they live in a virtual environment beside it. The
 //! results to compare are JSON files written by `oracle-dump` of `suture-tests`; `tests/oracle/README.md` says what is in them.

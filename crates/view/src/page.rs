@@ -495,3 +495,32 @@ fn view(options: &ViewOptions) -> View {
     };
     View { up, azimuth, elevation, shade, bands: options.bands }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_program_ends_no_script_of_the_page() {
+        for text in [SCRIPT, STYLE] {
+            assert!(
+                !text.to_lowercase().contains("</script")
+                    && !text.contains("</style")
+                    && !text.contains("<!--")
+            );
+        }
+        // Its licence goes with it.
+        assert!(SCRIPT.contains("@license"));
+    }
+
+    #[test]
+    fn names_are_filled_in_once() {
+        let value = |name: &str| match name {
+            "a" => "{{b}}",
+            "b" => "no",
+            _ => "",
+        };
+        assert_eq!(fill("x {{a}} y {{c}}{{a}}", value), "x {{b}} y {{b}}");
+        assert_eq!(escape("<a & \"b\">"), "&lt;a &amp; &quot;b&quot;&gt;");
+    }
+}

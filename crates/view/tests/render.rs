@@ -151,7 +151,7 @@ fn exact_normals_hide_the_triangulation() {
 fn bytes_do_not_depend_on_threads() {
     let surface = torus(12, 6);
     let t = mesh(&surface);
-    for shade in [Shade::Patches, Shade::Reflection, Shade::Curvature] {
+    for shade in [Shade::Patches, Shade::Reflection, Shade::Isophotes, Shade::Curvature] {
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| render(&t, &surface, &options(shade)).unwrap())

@@ -81,7 +81,7 @@ export class Panel {
       this.stage.onLayout = (panes) => panes.forEach((pane, i) => {
         Object.assign(this.captions[i].style, { left: `${pane.x}px`, top: `${pane.y + (pane.y === 0 ? 46 : 8)}px`,
           // The tools stand in the upper right corner.
-          width: `${pane.width - (pane.x + pane.width > this.stage.canvas.clientWidth - 2 ? 52 : 0)}px` });
+          width: `${pane.width - (pane.x + pane.width > this.stage.canvas.clientWidth - 2 ? 54 : 0)}px` });
       });
       this.stage.resize();
     }
@@ -174,7 +174,7 @@ export class Panel {
       } });
       follows.checked = light.follows;
       return [
-        (this.bandsSlider = slider("bands", "Lines per half turn", 2, 96, 1, this.state.bands, (v) => this.applyBands(v))),
+        slider("bands", "Lines per half turn", 2, 96, 1, this.state.bands, (v) => this.applyBands(v)),
         slider("light-azimuth", "Light, sideways", -180, 180, 1, degrees(light.azimuth), (v) => {
           light.azimuth = (v * Math.PI) / 180;
           this.applyLight();
@@ -200,6 +200,11 @@ export class Panel {
 
   applyBands(v) {
     this.state.bands = v;
+    const input = this.adjust.querySelector('[data-control="bands"]');
+    if (input) {
+      input.value = v;
+      input.parentElement.querySelector("output").textContent = v;
+    }
     this.stage.set({ uBands: v });
   }
 

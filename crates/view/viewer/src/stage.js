@@ -7,6 +7,8 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { mapTexture, MODES } from "./shader.js";
 
 const FIELD_OF_VIEW = 30;
+/** Width of the column of tools, in pixels. */
+const TOOLS = 54;
 
 /** Unit vector of an orbit angle, `y` upwards. */
 const direction = (azimuth, elevation) =>
@@ -138,7 +140,7 @@ export class Stage {
     const [wide, high] = box.map(([low, top]) => top - low + 1e-9);
     const [width, height] = [this.canvas.clientWidth || 1, this.canvas.clientHeight || 1];
     const scale = (w, h) => Math.min((0.9 * w) / wide, Math.max(h - margin, 0.5 * h) / high);
-    return n > 1 && scale(width, height / n) > scale(width / n, height);
+    return n > 1 && scale(width, height / n) > scale((width - TOOLS) / n, height);
   }
 
   /** Turns the camera around the target by angles in radians. */
@@ -185,12 +187,10 @@ export class Stage {
   panes() {
     const [width, height] = [this.canvas.clientWidth || 1, this.canvas.clientHeight || 1];
     const n = this.models.length;
-    const stacked = this.stacked;
-    return this.models.map((_, i) =>
-      stacked
-        ? { x: 0, y: (i * height) / n, width, height: height / n }
-        : { x: (i * width) / n, y: 0, width: width / n, height },
-    );
+    if (this.stacked) return this.models.map((_, i) => ({ x: 0, y: (i * height) / n, width, height: height / n }));
+    // Beside each other they leave the tools their corner.
+    const room = n > 1 ? Math.max(width - TOOLS, 0.5 * width) : width;
+    return this.models.map((_, i) => ({ x: (i * room) / n, y: 0, width: room / n, height }));
   }
 
   invalidate() {
@@ -211,6 +211,9 @@ export class Stage {
     camera.near = Math.max(distance - 4 * this.radius, 0.004 * distance);
     camera.far = distance + 6 * this.radius;
     renderer.setClearColor(this.background);
+    renderer.setViewport(0, 0, this.canvas.clientWidth, height);
+    renderer.setScissor(0, 0, this.canvas.clientWidth, height);
+    renderer.clear();
     this.panes().forEach((pane, i) => {
       const bottom = height - pane.y - pane.height;
       renderer.setViewport(pane.x, bottom, pane.width, pane.height);
