@@ -4,11 +4,17 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 use serde_json::json;
+use suture::export::{StepOptions, to_step};
 use suture::fit::{EnergyOrder, Grid, solve};
 use suture::mesh::{Topology, TriMesh};
 use suture::param::{BoundaryScaleOne, CollarOptions, Disc, Lscm, Parameterize, disc_with_collar};
 use suture::segment::Segment;
+use suture::tessellate::{TessellationOptions, tessellate};
+use suture::{ReconstructOptions, Stages, Unwatched, reconstruct};
 use suture_tests::{PAPER, labels, mesh, own};
+
+/// Chords of the tessellation that volumes and areas are compared with: errors of 1e-5 of the volume.
+const CHORD: f64 = 2e-5;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("usage: oracle-dump FOLDER")?);
@@ -25,6 +31,33 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mesh = mesh(&file);
         write(&folder, &format!("mesh_{name}.json"), &measures(&file, &mesh))?;
     }
+    for name in ["sphere_320", "deformed_tetrahedron", "torus_2304"] {
+        step(&folder, name)?;
+    }
+    Ok(())
+}
+
+/// A reconstruction as a STEP file, with what OpenCASCADE should find in it.
+fn step(folder: &Path, name: &str) -> Result<(), Box<dyn std::error::Error>> {
+    let mesh = mesh(&own(&format!("paper/{name}.obj")));
+    let stages =
+        Stages { segment: Box::new(labels(&own(&format!("paper/{name}.labels")))), ..Stages::default() };
+    let surface = reconstruct(&mesh, &stages, &ReconstructOptions::default(), &Unwatched)?.blend.surface;
+    let options =
+        StepOptions { diagonal: Some(mesh.diagonal()), name: name.into(), ..StepOptions::default() };
+    let (bytes, report) = to_step(&surface, &options)?;
+    let file = format!("{name}.step");
+    std::fs::write(folder.join(&file), bytes)?;
+    let fine =
+        tessellate(&surface, &TessellationOptions { chord: CHORD, ..TessellationOptions::default() })?.mesh;
+    let told = measures(Path::new(&file), &fine);
+    let value = json!({
+        "file": file, "diagonal": report.diagonal, "faces": report.faces, "edges": report.edges,
+        "vertices": report.vertices, "solids": 1, "euler": told["euler"], "limit": options.tolerance,
+        "angle_limit": options.angle.to_degrees(), "curvature_limit": 2.0 * options.curvature,
+        "volume": told["volume"], "area": told["area"],
+    });
+    write(folder, &format!("step_{name}.json"), &value)?;
     Ok(())
 }
 

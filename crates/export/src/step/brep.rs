@@ -28,8 +28,10 @@ pub(crate) struct Face {
     pub(crate) colour: usize,
     /// Component of the surface that the face belongs to.
     pub(crate) shell: usize,
-    /// Whether the outside is against `S_u × S_v`.
+    /// Whether the outside is on the other side of the patch.
     pub(crate) flipped: bool,
+    /// Whether the normals of the geometry are against those of the patch.
+    pub(crate) against: bool,
 }
 
 /// What a face lies on. All but splines have the axes of a frame: point, direction of the axis, direction of zero longitude.
@@ -38,8 +40,6 @@ pub(crate) enum Geometry {
     Spline(BSplineSurface<DVec3>),
     Plane { frame: [DVec3; 3] },
     Sphere { frame: [DVec3; 3], radius: f64 },
-    Cylinder { frame: [DVec3; 3], radius: f64 },
-    Cone { frame: [DVec3; 3], radius: f64, half_angle: f64 },
 }
 
 /// The use of an edge by a face.
@@ -72,11 +72,6 @@ impl Pcurve {
 }
 
 impl Brep {
-    /// Vertices that edges use, edges and faces, as `V − E + F`.
-    pub(crate) fn euler(&self) -> i64 {
-        self.vertices.len() as i64 - self.edges.len() as i64 + self.faces.len() as i64
-    }
-
     /// Number of edges that are used by one face only.
     pub(crate) fn open_edges(&self) -> usize {
         let mut uses = vec![0usize; self.edges.len()];

@@ -79,7 +79,7 @@ fn face(s: &mut Section, face: &Face, surface: Id, edges: &[Id]) -> Id {
         .iter()
         .enumerate()
         .map(|(l, loop_)| {
-            // An edge loop runs counter-clockwise as seen from the outside: against the parameters where the face is flipped.
+            // An edge loop runs counter-clockwise as seen from the outside: the other way round where the patch is flipped.
             let mut coedges: Vec<_> =
                 loop_.iter().map(|c| (edges[c.edge], c.forward != face.flipped)).collect();
             if face.flipped {
@@ -99,7 +99,7 @@ fn face(s: &mut Section, face: &Face, surface: Id, edges: &[Id]) -> Id {
         .collect();
     let bounds = list(&bounds, |&b| b);
     let name = Text(&face.name);
-    s.add(format_args!("ADVANCED_FACE({name},{bounds},{surface},{})", logical(!face.flipped)))
+    s.add(format_args!("ADVANCED_FACE({name},{bounds},{surface},{})", logical(face.flipped == face.against)))
 }
 
 fn logical(yes: bool) -> &'static str {
@@ -127,14 +127,6 @@ fn geometry(s: &mut Section, geometry: &Geometry) -> Id {
         Geometry::Sphere { frame, radius } => {
             let at = placement(s, frame);
             s.add(format_args!("SPHERICAL_SURFACE('',{at},{})", Real(*radius)))
-        }
-        Geometry::Cylinder { frame, radius } => {
-            let at = placement(s, frame);
-            s.add(format_args!("CYLINDRICAL_SURFACE('',{at},{})", Real(*radius)))
-        }
-        Geometry::Cone { frame, radius, half_angle } => {
-            let at = placement(s, frame);
-            s.add(format_args!("CONICAL_SURFACE('',{at},{},{})", Real(*radius), Real(*half_angle)))
         }
     }
 }

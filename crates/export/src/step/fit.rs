@@ -63,6 +63,11 @@ pub(crate) fn fit(
             }
         }
     }
+    if block.height < 1.0 {
+        for side in 0..4 {
+            match_cross(surface, block, [&a, &b], side, &mut data)?;
+        }
+    }
     // Along b first, then along a.
     let half: Vec<Vec<DVec3>> = data.chunks_exact(columns).map(|row| b.apply(row)).collect();
     let mut net = vec![DVec3::ZERO; a.count() * b.count()];
@@ -78,19 +83,16 @@ pub(crate) fn fit(
 }
 
 /// The derivatives of orders (2, 1), (1, 2) and (2, 2) at a break, by one-sided differences of fourth order of exact second
-/// derivatives. Across `b` the pieces join C², so that differences along `b` are the same on both sides of a break of `a`.
+/// derivatives. Across `a` pieces join C², so that differences along `b` are the same on both sides of a break of `a`; on kites, which have
+/// no such breaks and two sides at every corner that are alike, they are the mean of the differences along either side.
 fn mixed(surface: &Surface, block: &Block, a: f64, b: f64) -> [DVec3; 3] {
     let k = block.piece(a);
     let [from, to] = block.pieces[k].span;
-    let step = |at: f64, from: f64, to: f64| {
-        let h = STEP * (to - from);
-        if at - from < to - at { h } else { -h }
-    };
     let hb = step(b, 0.0, block.height);
     let along_b = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|i| block.jet(surface, k, a, b + i * hb));
     let (d21, d12, d22) =
         (first(&along_b, hb, |j| j.duu), first(&along_b, hb, |j| j.duv), second(&along_b, hb, |j| j.duu));
-    if a == from && k > 0 {
+    if block.height == 1.0 {
         return [d21, d12, d22];
     }
     let ha = step(a, from, to);
@@ -98,6 +100,84 @@ fn mixed(surface: &Surface, block: &Block, a: f64, b: f64) -> [DVec3; 3] {
     let (e21, e12, e22) =
         (first(&along_a, ha, |j| j.duv), first(&along_a, ha, |j| j.dvv), second(&along_a, ha, |j| j.dvv));
     [(d21 + e21) * 0.5, (d12 + e12) * 0.5, (d22 + e22) * 0.5]
+}
+
+/// The step of differences at `at`, away from the nearer end.
+fn step(at: f64, from: f64, to: f64) -> f64 {
+    let h = STEP * (to - from);
+    if at - from < to - at { h } else { -h }
+}
+
+/// Derivatives across a side of a kite, at the nodes between its ends.
+///
+/// The kite leaves its side in a direction that turns, what lies on the other side in another one. The exact derivatives in both
+/// directions belong together, but along the side a spline has other derivatives than what it interpolates. So both sides take their
+/// data from the same three splines: position, first and second derivative normal to the side in the plane of the polygon; for a
+/// rectangle on the other side its own are these. What remains between the nodes falls with the first power of the interval in the
+/// second derivatives where knot lines of the surface beneath cross the side.
+fn match_cross(
+    surface: &Surface,
+    block: &Block,
+    axes: [&Quintic; 2],
+    side: usize,
+    data: &mut [DVec3],
+) -> Result<(), ExportError> {
+    let piece = &block.pieces[0];
+    let patch = &surface.patches()[piece.patch];
+    let [q00, q10, q11, q01] = piece.quad;
+    // From one end of the side to the other, and the directions across at the ends; all per unit of `a` or `b`, which have one length.
+    let (ends, across) = match side {
+        0 => ([q00, q10], [q01 - q00, q11 - q10]),
+        1 => ([q10, q11], [q10 - q00, q11 - q01]),
+        2 => ([q01, q11], [q01 - q00, q11 - q10]),
+        _ => ([q00, q01], [q10 - q00, q11 - q01]),
+    };
+    let length = block.height;
+    let along = (ends[1] - ends[0]) / length;
+    let normal = along.perp();
+    let at = |s: f64| {
+        let x = s / length;
+        // In the frame of the side: u along it, v normal to it.
+        let map = Jet2 { p: ends[0] * (1.0 - x) + ends[1] * x, du: along, dv: normal, ..Jet2::default() };
+        patch.jet(map.p).compose(&map)
+    };
+    let axis = axes[side % 2];
+    let sites = axis.sites();
+    let mut fields = [const { Vec::new() }; 3];
+    for &(s, order) in &sites {
+        let jet = at(s);
+        let h = step(s, 0.0, length);
+        let line = || [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|i| at(s + i * h));
+        let found = match order {
+            0 => [jet.p, jet.dv, jet.dvv],
+            1 => [jet.du, jet.duv, first(&line(), h, |j| j.dvv)],
+            _ => [jet.duu, first(&line(), h, |j| j.duv), second(&line(), h, |j| j.dvv)],
+        };
+        (0..3).for_each(|k| fields[k].push(found[k]));
+    }
+    let wrong = |source| ExportError::Spline { index: piece.patch, source };
+    let spline =
+        |field: &[DVec3]| BSplineCurve::new(DEGREE, axis.knots().to_vec(), axis.apply(field)).map_err(wrong);
+    let [point, first, second] = [spline(&fields[0])?, spline(&fields[1])?, spline(&fields[2])?];
+    let columns = axes[1].count();
+    let last = axes[1 - side % 2].count() - 3;
+    for (i, &(s, order)) in sites.iter().enumerate() {
+        if order > 0 || s == 0.0 || s == length {
+            continue;
+        }
+        let c = across[0].lerp(across[1], s / length) / length;
+        let (t, n) = (c.dot(along) / along.length_squared(), c.dot(normal) / normal.length_squared());
+        let [_, dp, ddp]: [DVec3; 3] = point.jet(s);
+        let [f, df]: [DVec3; 2] = first.jet(s);
+        let [g]: [DVec3; 1] = second.jet(s);
+        let cross = [f * n + dp * t, g * (n * n) + df * (2.0 * n * t) + ddp * (t * t)];
+        for (k, value) in cross.into_iter().enumerate() {
+            let across = if side == 0 || side == 3 { k + 1 } else { last + k + 1 };
+            let slot = if side.is_multiple_of(2) { i * columns + across } else { across * columns + i };
+            data[slot] = value;
+        }
+    }
+    Ok(())
 }
 
 fn first(jets: &[Jet2; 6], h: f64, of: impl Fn(&Jet2) -> DVec3) -> DVec3 {

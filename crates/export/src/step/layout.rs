@@ -12,6 +12,7 @@ use glam::{DVec2, DVec3};
 use suture_bernstein::BSplineSurface;
 use suture_surface::{Domain, EdgeRef, Jet2, Patch, PatchKind, SplinePool, Surface};
 
+use super::brep::Geometry;
 use crate::ExportError;
 
 /// Faces, edges and vertices to be.
@@ -53,7 +54,9 @@ pub(crate) struct Piece {
 #[derive(Debug)]
 pub(crate) struct Exact {
     pub(crate) patch: usize,
-    pub(crate) spline: BSplineSurface<DVec3>,
+    pub(crate) geometry: Geometry,
+    /// Whether the geometry's normals are against those of the patch.
+    pub(crate) against: bool,
 }
 
 /// Nodes of sides.
@@ -109,6 +112,9 @@ struct Stretch {
     whole: bool,
 }
 
+/// The patch and edge that continue a strip, and the ratio of the lengths of their intervals.
+type Join = (usize, usize, f64);
+
 /// How far, relative to the derivatives, rectangles may be from joining C².
 const JOIN: f64 = 1e-7;
 
@@ -122,12 +128,25 @@ impl Layout {
         let mut exact = Vec::new();
         let mut face_of = vec![None; surface.patches().len()];
         for (p, patch) in surface.patches().iter().enumerate() {
-            if let Domain::Trimmed(_) = topology.domains[p] {
-                let spline = known_spline(patch.as_ref(), &topology.domains[p]);
-                let reason = "its domain has curved borders and its surface is no known B-spline";
-                let spline = spline.ok_or(ExportError::StepPatch { patch: p, reason })?;
+            if matches!(patch.kind(), PatchKind::Face | PatchKind::Edge | PatchKind::Planar)
+                && let Some((geometry, against)) =
+                    super::quadric::recognise(patch.as_ref(), &topology.domains[p])
+            {
                 face_of[p] = Some(exact.len());
-                exact.push(Exact { patch: p, spline: super::exact::crop(&spline, &topology.domains[p])? });
+                exact.push(Exact { patch: p, geometry, against });
+                continue;
+            }
+            let curved = matches!(topology.domains[p], Domain::Trimmed(_));
+            if !curved && !matches!(patch.kind(), PatchKind::Trimmed | PatchKind::Given) {
+                continue;
+            }
+            if let Some(spline) = known_spline(patch.as_ref(), &topology.domains[p]) {
+                face_of[p] = Some(exact.len());
+                let geometry = Geometry::Spline(super::exact::crop(&spline, &topology.domains[p])?);
+                exact.push(Exact { patch: p, geometry, against: false });
+            } else if curved {
+                let reason = "its domain has curved borders and its surface is no known B-spline";
+                return Err(ExportError::StepPatch { patch: p, reason });
             }
         }
         let mut classes = Classes::new(&topology, &face_of);
@@ -170,7 +189,7 @@ impl Block {
 
     /// Length of a side.
     fn length(&self, side: usize) -> f64 {
-        if side % 2 == 0 { self.pieces.last().map_or(0.0, |p| p.span[1]) } else { self.height }
+        if side.is_multiple_of(2) { self.pieces.last().map_or(0.0, |p| p.span[1]) } else { self.height }
     }
 
     /// `(a, b)` at parameter `s` of a side.
@@ -416,11 +435,7 @@ fn blocks(
 }
 
 /// Across which edges of strips the next one continues the parameters, and the ratio of the lengths of their intervals.
-fn joins(
-    surface: &Surface,
-    topology: &Topology,
-    face_of: &[Option<usize>],
-) -> Vec<[Option<(usize, usize, f64)>; 4]> {
+fn joins(surface: &Surface, topology: &Topology, face_of: &[Option<usize>]) -> Vec<[Option<Join>; 4]> {
     let strip = |p: usize| {
         matches!(surface.patches()[p].kind(), PatchKind::Strip { .. } | PatchKind::AdjacentStrip)
             && matches!(topology.domains[p], Domain::Rectangle { .. })
@@ -454,7 +469,7 @@ fn joins(
     for p in 0..joins.len() {
         for edge in 0..4 {
             if let Some((q, f, ratio)) = joins[p][edge] {
-                let back: Option<(usize, usize, f64)> = joins[q][f];
+                let back: Option<Join> = joins[q][f];
                 joins[p][edge] = back.map(|_| (q, f, ratio));
             }
         }
@@ -488,7 +503,7 @@ fn piece(topology: &Topology, patch: usize, turn: usize, span: [f64; 2], class: 
 /// The row that begins with `patch`, whose edge `turn` is its bottom.
 fn row(
     topology: &Topology,
-    joins: &[[Option<(usize, usize, f64)>; 4]],
+    joins: &[[Option<Join>; 4]],
     classes: &Classes,
     done: &mut [bool],
     patch: usize,

@@ -7,8 +7,8 @@ use suture_surface::Surface;
 use super::brep::{Brep, Geometry};
 use super::layout::{Block, Layout};
 
-/// Curvature below which a jump is not related to the curvature itself, times the diagonal.
-const FLAT: f64 = 0.1;
+/// Curvatures below which a jump is not related to the curvature itself, times the diagonal: for the report and for refinement.
+const FLAT: [f64; 2] = [0.1, 1.0];
 
 /// Places within an interval between nodes where errors are taken: nodes themselves have none.
 const PLACES: [f64; 4] = [0.12, 0.38, 0.62, 0.88];
@@ -25,6 +25,8 @@ pub(crate) struct Jump {
     pub(crate) angle: f64,
     /// Largest jump of the shape operator relative to the largest curvature beside it.
     pub(crate) curvature: f64,
+    /// The same where parts bent less than a circle of the size of the whole count as flat: worth more nodes.
+    pub(crate) bend: f64,
 }
 
 impl Jump {
@@ -34,6 +36,7 @@ impl Jump {
             gap: self.gap.max(other.gap),
             angle: self.angle.max(other.angle),
             curvature: self.curvature.max(other.curvature),
+            bend: self.bend.max(other.bend),
         }
     }
 }
@@ -77,8 +80,8 @@ pub(crate) fn edge(
                 let mut jump = Jump { gap, ..Jump::default() };
                 if let [(a, s), (b, r)] = &jets[..] {
                     jump.gap = jump.gap.max(a.p.distance(b.p));
-                    if let Some((angle, curvature)) = across(a, b, s * r, diagonal) {
-                        (jump.angle, jump.curvature) = (angle, curvature);
+                    if let Some((angle, jumps)) = across(a, b, s * r, diagonal) {
+                        (jump.angle, [jump.curvature, jump.bend]) = (angle, jumps);
                     }
                 }
                 worst.max(jump)
@@ -87,15 +90,15 @@ pub(crate) fn edge(
         .collect()
 }
 
-/// Angle and relative jump of curvature between two surfaces at one point; `sign` is −1 where their orientations disagree.
-fn across(a: &Jet2, b: &Jet2, sign: f64, diagonal: f64) -> Option<(f64, f64)> {
+/// Angle and relative jumps of curvature, by both sorts of flatness, between two surfaces at one point; `sign` is −1 where their orientations disagree.
+fn across(a: &Jet2, b: &Jet2, sign: f64, diagonal: f64) -> Option<(f64, [f64; 2])> {
     let (m, n) = (a.normal()?, b.normal()? * sign);
     let angle = m.cross(n).length().atan2(m.dot(n));
     let x = m.any_orthonormal_vector();
     let y = m.cross(x);
     let (s, t) = (shape(a, m, x, y)?, shape(b, n, x, y)?);
-    let flat = FLAT / diagonal;
-    Some((angle, largest(s - t) / largest(s).max(largest(t)).max(flat)))
+    let (jump, size) = (largest(s - t), largest(s).max(largest(t)));
+    Some((angle, FLAT.map(|flat| jump / size.max(flat / diagonal))))
 }
 
 /// The shape operator as a matrix in the directions `x` and `y`, which are tangent, or nearly so.

@@ -7,6 +7,7 @@ mod fit;
 mod layout;
 mod measure;
 mod part21;
+mod quadric;
 mod quintic;
 mod refine;
 

@@ -16,8 +16,8 @@ use crate::{ExportError, group};
 /// Intervals per edge to begin with; sides between N-gons and strips have twice as many.
 const FIRST: usize = 4;
 
-/// Intervals that no class exceeds for the sake of position, and for the sake of angles and curvatures.
-const MOST: [usize; 2] = [256, 96];
+/// Intervals that no class exceeds for the sake of position, of angles, and of curvatures, which gain the least from them.
+const MOST: [usize; 3] = [256, 128, 40];
 
 /// How many times the nodes are refined at most.
 const ROUNDS: usize = 10;
@@ -35,6 +35,12 @@ pub(crate) struct Errors {
     pub(crate) curvature_at: Option<[String; 2]>,
 }
 
+/// A fitted block and how far it is from its patches.
+type Fitted = (BSplineSurface<DVec3>, measure::Deviation);
+
+/// Place of an edge in the walk around a face: loop, side or edge, parameter.
+type Place = (usize, usize, f64);
+
 /// The faces, and their errors.
 ///
 /// # Errors
@@ -50,8 +56,7 @@ pub(crate) fn refine(
     let mut deviations = vec![measure::Deviation::default(); layout.blocks.len()];
     for round in 0..=ROUNDS {
         // Blocks one by one, in parallel, those that are as they were excepted; the order of results is that of the blocks.
-        let fresh: Vec<Result<Option<(BSplineSurface<DVec3>, measure::Deviation)>, ExportError>> = (0
-            ..layout.blocks.len())
+        let fresh: Vec<Result<Option<Fitted>, ExportError>> = (0..layout.blocks.len())
             .into_par_iter()
             .map(|b| {
                 if fitted[b].is_some() {
@@ -110,7 +115,7 @@ fn wanted(
     limit: f64,
     options: &StepOptions,
 ) -> Vec<usize> {
-    let mut factor = vec![[0.0f64; 2]; layout.classes.len()];
+    let mut factor = vec![[0.0f64; 3]; layout.classes.len()];
     let mut ask = |class: usize, kind: usize, error: f64, limit: f64, order: f64| {
         let over = error / (SAFETY * limit);
         if over > 1.0 || over.is_nan() {
@@ -118,7 +123,7 @@ fn wanted(
             factor[class][kind] = factor[class][kind].max(if by.is_nan() { 2.0 } else { by });
         }
     };
-    // Values are met to the third order only, angles to the second, curvatures to the first: the surfaces beneath are piecewise, and
+    // A factor of 2 at most: kinks that nodes happen to meet mislead the estimate. Values are met to the third order only, angles to the second, curvatures to the first: the surfaces beneath are piecewise, and
     // patches are C² where they cross.
     for (block, deviation) in layout.blocks.iter().zip(deviations) {
         for (k, piece) in block.pieces.iter().enumerate() {
@@ -135,7 +140,7 @@ fn wanted(
             if let Some(class) = *class {
                 ask(class, 0, jump.gap, limit, 3.0);
                 ask(class, 1, jump.angle, options.angle, 2.0);
-                ask(class, 1, jump.curvature, options.curvature, 1.0);
+                ask(class, 2, jump.bend, options.curvature, 1.0);
             }
         }
     }
@@ -144,7 +149,7 @@ fn wanted(
         .iter()
         .zip(factor)
         .map(|(class, factors)| {
-            let more = (0..2).map(|k| {
+            let more = (0..3).map(|k| {
                 let most = if class.halved { 2 * MOST[k] } else { MOST[k] };
                 let n = ((class.intervals as f64 * factors[k]).ceil() as usize).min(most);
                 if class.halved { n.next_multiple_of(2) } else { n }
@@ -200,8 +205,7 @@ fn assemble(
     let mut vertices: BTreeMap<Vertex, usize> = BTreeMap::new();
     // Per face its uses: loop, place in the walk, and the use itself.
     let first_exact = layout.blocks.len();
-    let mut loops: Vec<Vec<((usize, usize, f64), Coedge)>> =
-        vec![Vec::new(); first_exact + layout.exact.len()];
+    let mut loops: Vec<Vec<(Place, Coedge)>> = vec![Vec::new(); first_exact + layout.exact.len()];
     for (number, edge) in layout.edges.iter().enumerate() {
         let ends = [edge.joints[0], edge.joints[edge.joints.len() - 1]];
         let curve = match &edge.uses[0] {
@@ -219,7 +223,7 @@ fn assemble(
         for one in &edge.uses {
             let (face, place, forward, pcurve) = place(layout, edge, one)?;
             let face = if matches!(one, Use::Exact { .. }) { first_exact + face } else { face };
-            loops[face].push((place, Coedge { edge: number, forward, pcurve: Some(pcurve) }));
+            loops[face].push((place, Coedge { edge: number, forward, pcurve }));
         }
         brep.edges.push(Edge { ends: ids, curve });
     }
@@ -236,24 +240,25 @@ fn assemble(
                 loop_.push(coedge);
             }
         }
-        let (patch, geometry, name) = match layout.blocks.get(f) {
+        let (patch, geometry, name, against) = match layout.blocks.get(f) {
             Some(block) => {
                 let patch = block.pieces[0].patch;
-                let spline = fitted[f].clone().ok_or_else(missing)?;
-                (patch, spline, block_name(surface, layout, f, block))
+                let spline = Geometry::Spline(fitted[f].clone().ok_or_else(missing)?);
+                (patch, spline, block_name(surface, layout, f, block), false)
             }
             None => {
                 let exact = &layout.exact[f - first_exact];
                 (
                     exact.patch,
-                    exact.spline.clone(),
+                    exact.geometry.clone(),
                     format!("{} {}", group_name(surface, exact.patch), exact.patch),
+                    exact.against,
                 )
             }
         };
         let (shell, flipped) = layout.shells[patch];
         let colour = group::group_of(surface.patches()[patch].kind());
-        brep.faces.push(Face { geometry: Geometry::Spline(geometry), loops, name, colour, shell, flipped });
+        brep.faces.push(Face { geometry, loops, name, colour, shell, flipped, against });
     }
     Ok(brep)
 }
@@ -280,7 +285,7 @@ fn place(
     layout: &Layout,
     edge: &LayoutEdge,
     one: &Use,
-) -> Result<(usize, (usize, usize, f64), bool, Pcurve), ExportError> {
+) -> Result<(usize, Place, bool, Option<Pcurve>), ExportError> {
     let start = edge.joints[0];
     match one {
         Use::Block { block, side, ends } => {
@@ -292,14 +297,17 @@ fn place(
             let direction = (at(ends[1]) - at(ends[0])).normalize_or_zero();
             // The side's parameter may differ from the edge's by a constant and by direction.
             let origin = at(ends[0] - speed * start);
-            Ok((*block, (0, *side, key), forward, Pcurve::Line { origin, direction }))
+            Ok((*block, (0, *side, key), forward, Some(Pcurve::Line { origin, direction })))
         }
         Use::Exact { face, parts } => {
             let domain = &layout.domains[layout.exact[*face].patch];
             let forward = parts[0].1[1] > parts[0].1[0];
             let (walked, t) = if forward { parts[0] } else { parts[parts.len() - 1] };
             let loop_ = domain.loops().iter().position(|l| l.contains(&walked)).unwrap_or_default();
-            let pcurve = exact::pcurve(domain, parts, &edge.joints)?;
+            let pcurve = match layout.exact[*face].geometry {
+                Geometry::Spline(_) => Some(exact::pcurve(domain, parts, &edge.joints)?),
+                _ => None,
+            };
             Ok((*face, (loop_, walked, t[0].min(t[1])), forward, pcurve))
         }
     }
