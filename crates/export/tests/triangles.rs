@@ -237,10 +237,10 @@ fn files_are_written_by_extension() {
 
 #[test]
 fn unknown_formats_and_folders_are_named() {
-    for name in ["part.step", "part.gltf", "part", ".glb", ""] {
+    for name in ["part.iges", "part.gltf", "part", ".glb", ""] {
         let e = Format::from_path(name).unwrap_err();
         assert!(
-            matches!(&e, ExportError::UnknownFormat { .. }) && e.to_string().contains(".glb, .obj"),
+            matches!(&e, ExportError::UnknownFormat { .. }) && e.to_string().contains(".step, .glb, .obj"),
             "{e}"
         );
     }
