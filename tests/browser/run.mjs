@@ -134,6 +134,8 @@ async function drive(name) {
   // Layers.
   for (const layer of await page.locator("[data-layer]").evaluateAll((all) => all.map((b) => b.dataset.layer))) {
     const box = page.locator(`[data-layer="${layer}"]`);
+    // Parameter lines that lie closer than pixels are not drawn.
+    if (layer === "lines") await page.evaluate(() => window.suture.stage.zoom(0.15));
     await visible(page, `layer ${layer}`, () => box.click(), 0.0005);
     await visible(page, `layer ${layer} back`, () => box.click(), 0.0005);
   }
@@ -142,6 +144,7 @@ async function drive(name) {
   await page.locator('[data-layer="lines"]').check();
   await visible(page, "number of parameter lines", () => slide(page, "lines", 3), 0.0003);
   await page.locator('[data-layer="lines"]').uncheck();
+  await page.locator('[data-tool="home"]').click();
   const by = page.locator('[data-control="seams-by"]');
   if (await by.count()) {
     for (const value of ["order", "normal", "curvature", "plain"]) {
@@ -272,7 +275,7 @@ async function broken(name) {
   const shares = await page.evaluate(() => {
     const { stage, panel, models } = window.suture;
     panel.applyShade("reflection");
-    panel.applyBands(8);
+    panel.applyBands(4);
     panel.applyLayer("seams", false);
     window.look();
     const model = models[0];

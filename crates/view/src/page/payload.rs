@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn floats_keep_four_digits() {
         let mut payload = Payload::default();
-        let numbers = [0.0, 1.0, -3.14159, 1e-16, 6e4, f64::INFINITY, f64::NAN];
+        let numbers = [0.0, 1.0, -2.34567, 1e-16, 6e4, f64::INFINITY, f64::NAN];
         let s = payload.floats(numbers.into_iter());
         for (n, bits) in numbers.into_iter().zip(read(&payload, &s)) {
             let back = f64::from(f32::from_bits(bits << 8));
