@@ -126,7 +126,7 @@ pub enum CoonsError {
         asked: Order,
     },
     /// Third derivatives are needed and not known.
-    #[error("{what} knows no third derivatives, which {asked:?} needs; implement `expand`, or ask for C2")]
+    #[error("{what} knows no third derivatives, which {asked:?} needs; ask for C2, or implement `expand`")]
     NoThirdDerivatives {
         /// Which constituent or curve.
         what: &'static str,

@@ -187,3 +187,24 @@ fn surfaces_of_opposite_orientation_are_joined_and_noted() {
     assert_eq!(r["certificate"]["turned_seams"], 1);
     assert!(r["warnings"].to_string().contains("opposite orientation"));
 }
+
+#[test]
+fn surfaces_of_other_methods_are_filled_and_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = "v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv 0 1 0.1\nv 0 1.3 0.1\nv 1 1.3 0.1\nv 1 2.3 0\nv 0 2.3 0\n\
+                f 1 2 3\nf 1 3 4\nf 5 6 7\nf 5 7 8\n";
+    std::fs::write(folder.path().join("m.obj"), mesh).unwrap();
+    for method in ["bubble", "apatch"] {
+        assert_eq!(suture(&[method, "m.obj", "-o", "m.json"], folder.path()).status.code(), Some(0));
+        let (code, r, message) = fill(&["m.json", "-o", "f.json"], folder.path());
+        assert_eq!(
+            (code, r["surface"]["patches"]["fill"].as_u64()),
+            (Some(0), Some(1)),
+            "{method}: {message}"
+        );
+        assert_eq!(r["surface"]["construction"]["fills"][0]["asked"], "C2");
+        assert_eq!(suture(&["certify", "f.json"], folder.path()).status.code(), Some(0), "{method}");
+        let (code, _, message) = fill(&["m.json", "-o", "f.json", "--order", "C3"], folder.path());
+        assert!(code == Some(2) && message.contains("third derivatives"), "{method}: {message}");
+    }
+}
