@@ -36,6 +36,7 @@ const browser = await chromium.launch({ executablePath, args });
 function helpers() {
   window.look = () => {
     const { stage } = window.suture;
+    stage.sharpen();
     stage.render();
     const gl = stage.renderer.getContext();
     const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];

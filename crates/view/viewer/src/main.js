@@ -1,7 +1,7 @@
 // Entry: decodes the page's data, builds stage and panel, reports when the first frame is there.
 import { load } from "./data.js";
 import { Model } from "./model.js";
-import { Stage } from "./stage.js";
+import { makeRenderer, Stage } from "./stage.js";
 import { Panel } from "./panel.js";
 
 async function start() {
@@ -15,10 +15,12 @@ async function start() {
     mark("unpacked");
     // The text is not needed any more, and there is much of it.
     document.getElementById("suture-data").remove();
-    const models = head.models.map((m) => new Model(m, body, head.kinds));
-    mark("models");
     const canvas = root.querySelector("canvas");
-    const stage = new Stage(canvas, models, head.view);
+    const { renderer, software } = makeRenderer(canvas);
+    mark("renderer");
+    const models = head.models.map((m) => new Model(m, body, head.kinds, software));
+    mark("models");
+    const stage = new Stage(canvas, renderer, models, head.view);
     const panel = new Panel(root, head, models, stage);
     mark("panel");
     const ready = new Promise((done) => {
@@ -34,6 +36,7 @@ async function start() {
           if (!gl.isContextLost() && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return setTimeout(wait, 4);
           mark("picture");
           done(marks);
+          stage.sharpen();
         };
         wait();
       };

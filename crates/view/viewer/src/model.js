@@ -11,13 +11,14 @@ import { at, label, toLinear } from "./color.js";
 import { floats, integers, normals, reals } from "./data.js";
 import { kindTexture, surfaceMaterial } from "./shader.js";
 
-/** More segments than this are drawn one pixel wide: wide ones cost six vertices each. */
-const MOST_WIDE = 40_000;
+/** More segments than this are drawn one pixel wide: wide ones cost eight triangles each. The second number is for machines without graphics hardware. */
+const MOST_WIDE = [60_000, 8_000];
 const ORDERS = ["—", "C0", "G1", "C1", "G2", "C2"];
 const ORDER_COLORS = [0xff2d55, 0xff7a1a, 0xf2c230, 0xb9cf3a, 0x35b779, 0x2f9e6d];
 
 export class Model {
-  constructor(head, body, kinds) {
+  constructor(head, body, kinds, software) {
+    this.mostWide = MOST_WIDE[software ? 1 : 0];
     this.head = head;
     this.kinds = kinds;
     const s = head.sections;
@@ -97,7 +98,7 @@ export class Model {
     this.edgeSeam = this.section("edge_seam");
     // Many seams in full strength would hide what they lie on.
     this.seamWidth = this.seamCount > 2000 ? 0.9 : 1.6;
-    return strokes(points, { color: 0x0b1220, width: this.seamWidth, towards: 0.0015, opacity: this.seamCount > 2000 ? 0.55 : 1 });
+    return this.strokes(points, { color: 0x0b1220, width: this.seamWidth, towards: 0.0015, opacity: this.seamCount > 2000 ? 0.55 : 1 });
   }
 
   /** Colours the seams: `plain`, by measured `order`, by jump of `normal` or `curvature`. */
@@ -135,7 +136,7 @@ export class Model {
   /** Pairs of points of a section as lines. */
   lines(name, color, towards, opacity) {
     const points = this.section(name, reals);
-    return points && strokes(points, { color, width: 1.2, towards, opacity });
+    return points && this.strokes(points, { color, width: 1.2, towards, opacity });
   }
 
   buildHull() {
@@ -193,7 +194,7 @@ export class Model {
     }
     const points = new Float32Array(3 * pairs.length);
     pairs.forEach((v, i) => points.set(position.subarray(3 * v, 3 * v + 3), 3 * i));
-    const mesh = strokes(points, { color: 0xd6336c, width: 1, towards: 0.004, opacity: 0.85 });
+    const mesh = this.strokes(points, { color: 0xd6336c, width: 1, towards: 0.004, opacity: 0.85 });
     this.meshFaces = faces.length / 3;
     const labels = this.section("mesh_labels");
     let segments = null;
@@ -217,6 +218,10 @@ export class Model {
       this.labelCount = cache.size;
     }
     return { mesh, segments };
+  }
+
+  strokes(points, look) {
+    return strokes(points, look, this.mostWide);
   }
 
   /** What is known of a patch. */
@@ -253,13 +258,13 @@ export class Model {
 export const jumpPlace = (jump) => (Math.log10(Math.max(jump, 1e-16)) + 16) / 16;
 
 /** Lines as wide as asked where there are few, one pixel wide where there are many; drawn a little closer to the eye. */
-function strokes(points, { color, width, towards, opacity = 1 }) {
+function strokes(points, { color, width, towards, opacity = 1 }, mostWide) {
   const nearer = (shader) => {
     // Along the line of sight the place in the picture stays.
     shader.uniforms.uNearer = { value: 1 - towards };
   };
   const transparent = opacity < 1;
-  if (points.length / 6 <= MOST_WIDE) {
+  if (points.length / 6 <= mostWide) {
     const geometry = new LineSegmentsGeometry();
     geometry.setPositions(points);
     const material = new LineMaterial({ color, linewidth: width, transparent, opacity });

@@ -9,16 +9,27 @@ import { mapTexture, MODES } from "./shader.js";
 const FIELD_OF_VIEW = 30;
 /** Width of the column of tools, in pixels. */
 const TOOLS = 54;
+/** Milliseconds from picture to picture beyond which turning is slow. */
+const SLOW = 110;
 
 /** Unit vector of an orbit angle, `y` upwards. */
 const direction = (azimuth, elevation) =>
   new Vector3(Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation), Math.cos(azimuth) * Math.cos(elevation));
 
+/** The renderer, and whether it computes without graphics hardware. */
+export function makeRenderer(canvas) {
+  const renderer = new WebGLRenderer({ canvas, antialias: true });
+  const gl = renderer.getContext();
+  const info = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+  return { renderer, software: /swiftshader|llvmpipe|software|basic render/i.test(name) };
+}
+
 export class Stage {
-  constructor(canvas, models, options) {
+  constructor(canvas, renderer, models, options) {
     this.canvas = canvas;
     this.models = models;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.renderer = renderer;
     this.renderer.setScissorTest(true);
     this.renderer.autoClear = false;
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
@@ -40,8 +51,15 @@ export class Stage {
     this.controls.rotateSpeed = 0.9;
     this.controls.zoomSpeed = 1.1;
     this.controls.addEventListener("change", () => this.invalidate());
+    this.controls.addEventListener("start", () => Object.assign(this, { turning: true, pace: 0 }));
+    this.controls.addEventListener("end", () => {
+      this.turning = false;
+      setTimeout(() => this.turning || this.sharpen(), 200);
+    });
     this.frames = 0;
     this.pending = false;
+    // Pixels of the canvas per pixel of the screen along an axis: the first picture is coarse and there sooner.
+    this.fineness = 0.5;
     this.resize();
     this.setUp(options.up, options.azimuth, options.elevation);
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -177,10 +195,31 @@ export class Stage {
 
   resize() {
     const { clientWidth, clientHeight } = this.canvas.parentElement;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2) * this.fineness);
     this.renderer.setSize(Math.max(1, clientWidth), Math.max(1, clientHeight), false);
     this.onLayout?.(this.panes());
     this.invalidate();
+  }
+
+  /** All pixels again. */
+  sharpen() {
+    if (this.fineness === 1) return;
+    this.fineness = 1;
+    this.resize();
+    this.render();
+  }
+
+  /** Fewer pixels while a hand turns the model and the machine cannot keep up. */
+  keepUp() {
+    const now = performance.now();
+    if (this.turning && this.fineness === 1) {
+      this.pace = 0.6 * this.pace + 0.4 * Math.min(now - this.last, 500);
+      if (this.pace > SLOW) {
+        this.fineness = 0.5;
+        this.resize();
+      }
+    }
+    this.last = now;
   }
 
   /** The rectangles of the views in pixels of the page, from the upper left corner. */
@@ -200,6 +239,7 @@ export class Stage {
       this.pending = false;
       // Damping goes on after the hand has let go.
       this.controls.update();
+      this.keepUp();
       this.render();
     });
   }
@@ -274,6 +314,7 @@ export class Stage {
 
   /** A picture of what is shown, as the URL of a PNG file. */
   picture() {
+    this.sharpen();
     this.render();
     return this.canvas.toDataURL("image/png");
   }
