@@ -38,6 +38,15 @@ fn a_mesh_becomes_a_surface_in_every_format() {
     for file in outputs {
         assert!(std::fs::metadata(folder.path().join(file)).unwrap().len() > 100, "{file}");
     }
+    let out = suture(
+        &["export", "a.suture.json", "-o", "a.step", "--cad-tolerance", "1e-5", "--json", "e.json"],
+        folder.path(),
+    );
+    assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+    let step = &report(&folder.path().join("e.json"))["step"];
+    assert_eq!([&step["faces"], &step["edges"], &step["vertices"]], [22, 48, 28]);
+    assert!(step["position"].as_f64().unwrap() < 1e-5 && step["open_edges"] == 0, "{step}");
+    assert!(std::fs::read_to_string(folder.path().join("a.step")).unwrap().starts_with("ISO-10303-21;"));
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     // The material file of the OBJ and the report come on top.
     assert_eq!(left.len(), outputs.len() + 2, "{left:?}");

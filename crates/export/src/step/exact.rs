@@ -12,9 +12,9 @@ use crate::ExportError;
 /// How much of the width of the used part stays around it.
 const MARGIN: f64 = 0.02;
 
-/// Error of curves in space, relative to their coordinates, and the most intervals they get for it.
-const CURVE: f64 = 1e-10;
-const MOST_INTERVALS: usize = 256;
+/// Error of curves in space, relative to their length, and the most intervals they get for it.
+const CURVE: f64 = 1e-8;
+const MOST_INTERVALS: usize = 64;
 
 /// How far, relative to their derivatives, curves may be from continuing each other C².
 const JOIN: f64 = 1e-9;
@@ -194,7 +194,7 @@ pub(crate) fn curve(
                 .map(|(t, _)| coarse.point(t).distance(curve.point(t)))
                 .fold(0.0, f64::max)
         });
-        let size = curve.net().iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let size = curve.net().windows(2).map(|p| p[0].distance(p[1])).sum::<f64>();
         if error.is_some_and(|e| e <= CURVE * size) || intervals >= MOST_INTERVALS {
             return Ok(before.unwrap_or(curve));
         }

@@ -67,7 +67,7 @@ pub(crate) fn edge(
         .zip(&plan.classes)
         .map(|(span, class)| {
             let length = span[1] - span[0];
-            let intervals = class.map_or(SAMPLES / PLACES.len(), |c| layout.classes[c].intervals).max(4);
+            let intervals = class.map_or(SAMPLES / PLACES.len(), |c| layout.classes[c].intervals).max(8);
             let inner = (0..intervals).flat_map(|i| PLACES.map(|p| (i as f64 + p) / intervals as f64));
             // Where knot lines end on corners, the worst may be close to them.
             let near = [1e-6, 1e-4, 1e-3, 1e-2].into_iter().flat_map(|x| [x, 1.0 - x]);
