@@ -139,10 +139,12 @@ async function drive(name) {
     if (layer === "lines") await page.evaluate(() => window.suture.stage.zoom(0.15));
     await visible(page, `layer ${layer}`, () => box.click(), 0.0005);
     await visible(page, `layer ${layer} back`, () => box.click(), 0.0005);
+    if (layer === "lines") await page.evaluate(() => window.suture.stage.reset());
   }
   await page.evaluate(() => ["lines", "nets", "mesh", "segments", "hull"].forEach((l) => window.suture.panel.applyLayer(l, false)));
   await page.evaluate(() => window.suture.panel.applyLayer("surface", true));
   await page.locator('[data-layer="lines"]').check();
+  await page.evaluate(() => window.suture.stage.zoom(0.15));
   await visible(page, "number of parameter lines", () => slide(page, "lines", 3), 0.0003);
   await page.locator('[data-layer="lines"]').uncheck();
   await page.locator('[data-tool="home"]').click();
@@ -298,12 +300,15 @@ async function broken(name) {
       const middle = [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
       const normal = [(a[1] - b[1]) / length, (b[0] - a[0]) / length];
       const own = [0, 1].map((k) => model.seams.patches[2 * seams[e] + k]).sort((p, q) => p - q);
-      [0, 12].forEach((away, row) => {
+      // Only places where both pairs are seen: at the silhouette, where lines lie close, a pair of one patch is rare.
+      const pairs = [0, 12].map((away, row) => {
         const points = [-2.5, 2.5].map((d) => [middle[0] + normal[0] * (d + away), middle[1] + normal[1] * (d + away)]);
         const patches = points.map(([x, y]) => stage.pick(x, y)?.patch ?? -1).sort((p, q) => p - q);
         const seen = row === 0 ? patches[0] === own[0] && patches[1] === own[1] : patches[0] === patches[1] && own.includes(patches[0]);
-        if (!seen) return;
-        const [p, q] = points.map(([x, y]) => window.shade(x, y));
+        return seen ? points.map(([x, y]) => window.shade(x, y)) : null;
+      });
+      if (!pairs[0] || !pairs[1]) continue;
+      pairs.forEach(([p, q], row) => {
         counts[row][0]++;
         if (Math.abs(p - q) > 70) counts[row][1]++;
       });
