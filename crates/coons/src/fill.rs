@@ -416,7 +416,7 @@ fn read_surface(name: &str, surface: &SceneSurface) -> Result<(Sheet, Option<[DV
 
 impl Scene {
     /// The scene with the gaps between its surfaces as what to fill: pairs of edges that face each other, as
-    /// [`find_gaps`](crate::find_gaps) finds them. Surfaces without a domain are not looked at.
+    /// [`find_gaps`] finds them. Surfaces without a domain are not looked at.
     ///
     /// # Errors
     /// [`CoonsError::NoGap`]; [`CoonsError::Scene`], [`CoonsError::Net`] for surfaces that are none.
