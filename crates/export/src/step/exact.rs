@@ -14,7 +14,7 @@ const MARGIN: f64 = 0.02;
 
 /// Error of curves in space, relative to their length, and the most intervals they get for it.
 const CURVE: f64 = 1e-8;
-const MOST_INTERVALS: usize = 64;
+const MOST_INTERVALS: usize = 256;
 
 /// How far, relative to their derivatives, curves may be from continuing each other C².
 const JOIN: f64 = 1e-9;
