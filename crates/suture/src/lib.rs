@@ -23,9 +23,9 @@ mod watch;
 
 pub use error::SutureError;
 pub use fill::{Filled, Unfilled, fill_and_measure};
+pub use flattening::ByChart;
 pub use page::{degrees, facets};
 pub use reconstruct::{Fairness, ReconstructOptions, Reconstruction, Splits, Stages, reconstruct, samples};
-pub use flattening::ByChart;
 pub use repair::repair_all;
 pub use report::Report;
 pub use sew::{NormalSource, SewOptions, Sewn, sew_apatch, sew_bubble, vertex_normals};

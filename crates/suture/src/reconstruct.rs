@@ -13,7 +13,7 @@ use suture_tessellate::{Tessellation, TessellationOptions, tessellate};
 
 use crate::arcs::{ArcLine, STRAIGHTNESS, arc_lines, collar_widths, network};
 use crate::charting::{Charted, Charting, chart_all};
-use crate::{Stage, SutureError, Watch};
+use crate::{ByChart, Stage, SutureError, Watch};
 
 /// The stages that can be swapped; the defaults are the best ones known.
 pub struct Stages<'a> {
@@ -30,7 +30,10 @@ pub struct Stages<'a> {
 impl Default for Stages<'_> {
     fn default() -> Self {
         Self {
-            segment: Box::new(Automatic::default()),
+            segment: Box::new(Automatic {
+                flatten: Box::new(ByChart::<Recommended>::default()),
+                ..Automatic::default()
+            }),
             parameterize: Box::new(Recommended::default()),
             fit: Box::new(PenalizedLeastSquares { options: FitOptions::default() }),
             maps: Box::new(Correspondence::default()),
