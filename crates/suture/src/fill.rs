@@ -15,7 +15,6 @@ use crate::{Stage, SutureError, Watch};
 
 /// What is to be filled.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "there is one of them")]
 pub enum Unfilled {
     /// What a scene says.
     Scene(Scene),
