@@ -48,8 +48,10 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
     for _ in 0..ATTEMPTS {
         let obstacles = match maps.maps(network, &widths) {
             Ok(set) => {
-                let report = check_maps(network, &set);
-                if report.obstacles.is_empty() {
+                let report = check_maps(network, &set, &widths.corner);
+                let shrinkable =
+                    |o: &Obstacle| o.corners.iter().all(|&c| widths.corner[c] * SHRINK >= narrowest);
+                if report.obstacles.iter().all(|o| o.bearable() && !(automatic && shrinkable(o))) {
                     return finish(network, &set, widths, report);
                 }
                 report.obstacles
@@ -81,7 +83,7 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
         let mut folds_at = vec![false; widths.corner.len()];
         for obstacle in &obstacles {
             obstacle.corners.iter().for_each(|&c| shrinks[c] = true);
-            if !matches!(obstacle.error, BlendError::ArcTooShort { .. }) {
+            if !matches!(obstacle.error, BlendError::ArcTooShort { .. } | BlendError::Apart { .. }) {
                 obstacle.corners.iter().for_each(|&c| folds_at[c] = true);
             }
             if let Some(arc) = obstacle.chain {
@@ -92,17 +94,25 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
             folds[arc] += 1;
             widths.shortest[arc] = lengths[arc] * LENGTHS[folds[arc] % LENGTHS.len()];
         }
-        let exhausted = (0..shrinks.len()).any(|c| shrinks[c] && widths.corner[c] * SHRINK < narrowest);
-        if !automatic || exhausted {
+        let hard = |c: usize| obstacles.iter().any(|o| !o.bearable() && o.corners.contains(&c));
+        let exhausted = |c: usize| widths.corner[c] * SHRINK < narrowest;
+        if !automatic || (0..shrinks.len()).any(|c| shrinks[c] && exhausted(c) && hard(c)) {
             return Err(unusable(obstacles));
         }
-        for c in (0..shrinks.len()).filter(|&c| shrinks[c]) {
+        let shrinking: Vec<usize> = (0..shrinks.len()).filter(|&c| shrinks[c] && !exhausted(c)).collect();
+        for c in shrinking {
             widths.corner[c] *= SHRINK;
             widths.reductions[c] += u32::from(folds_at[c]);
         }
     }
     match maps.maps(network, &widths) {
-        Ok(set) => Err(unusable(check_maps(network, &set).obstacles)),
+        Ok(set) => {
+            let report = check_maps(network, &set, &widths.corner);
+            match report.obstacles.iter().all(Obstacle::bearable) {
+                true => finish(network, &set, widths, report),
+                false => Err(unusable(report.obstacles)),
+            }
+        }
         Err(mut errors) => Err(errors.swap_remove(0)),
     }
 }
@@ -110,6 +120,7 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
 fn unusable(obstacles: Vec<Obstacle>) -> BlendError {
     let mut segments: Vec<usize> = obstacles
         .iter()
+        .filter(|o| !o.bearable())
         .filter_map(|o| match o.error {
             BlendError::Fold { segment, .. }
             | BlendError::Overlap { segment }
@@ -120,7 +131,7 @@ fn unusable(obstacles: Vec<Obstacle>) -> BlendError {
     segments.sort_unstable();
     segments.dedup();
     let none = BlendError::Inconsistent { what: "no width was found in the attempts allowed".into() };
-    match obstacles.into_iter().next().map_or(none, |o| o.error) {
+    match obstacles.into_iter().find(|o| !o.bearable()).map_or(none, |o| o.error) {
         first if segments.is_empty() => first,
         first => BlendError::Obstacles { first: Box::new(first), segments },
     }

@@ -5,7 +5,7 @@ use suture_bernstein::{BSplineSurface, BezierPatch, Jet2};
 
 use crate::assemble::trimming_loop;
 use crate::maps::{MapSet, StripMaps};
-use crate::{BlendError, Network, gon};
+use crate::{ArcCurve, BlendError, Network, gon};
 
 /// Samples across a strip; three times as many along it.
 const SAMPLES: usize = 8;
@@ -14,6 +14,10 @@ const LOOP_SAMPLES: usize = 32;
 
 /// Smallest Jacobian of a strip map relative to its largest: what 25 × 9 samples may miss of a fold is small against it.
 pub(crate) const LEAST_JACOBIAN: f64 = 0.02;
+
+/// Largest distance of two points that are blended, in widths, beyond what the surfaces are apart on the arc itself. At a crease of
+/// 130° it is 1.2 widths.
+const MOST_APART: f64 = 2.0;
 
 /// A map that cannot be used, with the corners whose widths it depends on.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +30,13 @@ pub struct Obstacle {
     pub chain: Option<usize>,
 }
 
+impl Obstacle {
+    /// Whether a surface with this obstacle is ugly but one: to be removed by narrower blends, to be left where none are narrow enough.
+    pub(crate) fn bearable(&self) -> bool {
+        matches!(self.error, BlendError::Apart { .. })
+    }
+}
+
 /// Smallest Jacobian of any map relative to its largest, and everything that is wrong.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapReport {
@@ -35,9 +46,11 @@ pub struct MapReport {
     pub obstacles: Vec<Obstacle>,
 }
 
-/// Tests every map of the network by samples: 25 × 9 per strip, 32 per edge of a trimming loop.
-pub fn check_maps(network: &Network, maps: &MapSet) -> MapReport {
+/// Tests every map of the network by samples: 25 × 9 per strip, 32 per edge of a trimming loop. `widths` holds the width at every
+/// corner.
+pub fn check_maps(network: &Network, maps: &MapSet, widths: &[f64]) -> MapReport {
     let mut report = MapReport { jacobian: 1.0, obstacles: Vec::new() };
+    let gaps: Vec<f64> = network.arcs.iter().map(|arc| gap(network, arc)).collect();
     for (c, set) in maps.corners.iter().enumerate() {
         let corner = &network.corners[c];
         let n = corner.arcs.len();
@@ -45,6 +58,8 @@ pub fn check_maps(network: &Network, maps: &MapSet) -> MapReport {
             let sides = [network.segment(corner, j), network.segment(corner, (j + n - 1) % n)];
             let place = || format!("the strip beside corner {c} on arc {}", corner.arcs[j].arc);
             check_strip(network, strip, sides, &[c], None, &place, &mut report);
+            let limit = MOST_APART * widths[c] + gaps[corner.arcs[j].arc];
+            check_apart(network, strip, sides, (widths[c], limit), &[c], &place, &mut report);
         }
         for (j, map) in set.gon.iter().enumerate() {
             let segment = network.segment(corner, j);
@@ -59,7 +74,11 @@ pub fn check_maps(network: &Network, maps: &MapSet) -> MapReport {
             let place = || format!("strip {k} of arc {a}");
             // Only the ends of a chain depend on one corner alone.
             let corners = arc.corners;
-            check_strip(network, strip, [arc.right, arc.left], &corners, Some(a), &place, &mut report);
+            let sides = [arc.right, arc.left];
+            check_strip(network, strip, sides, &corners, Some(a), &place, &mut report);
+            let width = widths[corners[0]].max(widths[corners[1]]);
+            let limit = MOST_APART * width + gaps[a];
+            check_apart(network, strip, sides, (width, limit), &corners, &place, &mut report);
         }
     }
     for segment in 0..network.surfaces.len() {
@@ -87,6 +106,38 @@ fn check_strip(
         }
         let points = grid.iter().map(|j| j.p);
         check_inside(&network.surfaces[segment], segment, points, corners, place, report);
+    }
+}
+
+/// Largest distance of the two surfaces on an arc.
+fn gap(network: &Network, arc: &ArcCurve) -> f64 {
+    let at = |segment: usize, at: DVec2| network.surfaces[segment].jet(at).p;
+    arc.samples
+        .iter()
+        .map(|s| at(arc.left, s.left).distance_squared(at(arc.right, s.right)))
+        .fold(0.0, f64::max)
+        .sqrt()
+}
+
+fn check_apart(
+    network: &Network,
+    strip: &StripMaps,
+    sides: [usize; 2],
+    (width, limit): (f64, f64),
+    corners: &[usize],
+    place: &dyn Fn() -> String,
+    report: &mut MapReport,
+) {
+    let at = |segment: usize, at: DVec2| network.surfaces[segment].jet(at).p;
+    let distance = jets(&strip.down)
+        .iter()
+        .zip(jets(&strip.up))
+        .map(|(down, up)| at(sides[0], down.p).distance_squared(at(sides[1], up.p)))
+        .fold(0.0, f64::max)
+        .sqrt();
+    if distance > limit {
+        let error = BlendError::Apart { place: place(), segments: sides, distance: distance / width };
+        report.obstacles.push(Obstacle { error, corners: corners.to_vec(), chain: None });
     }
 }
 

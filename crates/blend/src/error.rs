@@ -76,6 +76,20 @@ pub enum BlendError {
         /// Smallest Jacobian relative to the largest.
         jacobian: f64,
     },
+    /// The two sides of a strip lie farther apart than the strip is wide: one of the surfaces is evaluated where it no longer
+    /// follows the shape.
+    #[error(
+        "the surfaces of segments {} and {} are {distance:.1} widths apart in {place}; use a smaller width (--d-in, --d-out) or \
+         split these segments", segments[0], segments[1]
+    )]
+    Apart {
+        /// Which strip.
+        place: String,
+        /// The segments.
+        segments: [usize; 2],
+        /// Largest distance of points that are blended, in widths.
+        distance: f64,
+    },
     /// The ring of blending regions of a segment crosses itself.
     #[error(
         "the blends around segment {segment} overlap inside it; use a smaller width (--d-in, --d-out) or a segmentation without \

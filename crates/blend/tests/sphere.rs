@@ -33,12 +33,18 @@ fn parameter(face: usize, x: DVec3) -> DVec2 {
 /// A bicubic spline near the sphere (control points beyond it by the second-order term of the quasi-interpolant), skewed in its
 /// parameters so that no chart is isometric by luck.
 fn spline(face: usize) -> BSplineSurface<DVec3> {
+    scaled_spline(face, |_| 1.0)
+}
+
+/// The same with every point scaled by a function of its parameter.
+fn scaled_spline(face: usize, scale: impl Fn(DVec2) -> f64) -> BSplineSurface<DVec3> {
     let (cells, h) = (24, 0.15);
     let count = cells + 3;
     let knots = || (0..count + 4).map(|i| (i as f64 - 3.0) * h - 0.5 * cells as f64 * h).collect::<Vec<_>>();
     let f = |i: isize, j: isize| {
         let g = |k: isize| (k as f64 - 1.0) * h - 0.5 * cells as f64 * h;
-        point(face, DVec2::new(g(i), g(j)))
+        let at = DVec2::new(g(i), g(j));
+        point(face, at) * scale(at)
     };
     let net = (0..count as isize)
         .flat_map(|i| (0..count as isize).map(move |j| (i, j)))
@@ -171,6 +177,22 @@ fn the_blend_stays_on_the_sphere() {
             let mean = -0.5 * (form.x_axis.x + form.y_axis.y + form.z_axis.z);
             assert!((mean - 1.0).abs() < 0.06, "{mean}");
         }
+    }
+}
+
+#[test]
+fn blends_keep_away_from_where_a_surface_flies_off() {
+    let options = WidthOptions { wanted: 0.06, ..WidthOptions::default() };
+    let clean = blend(&cube(), &PaperMaps, &options).unwrap().widths;
+    let mut network = cube();
+    // The first segment ends at 1; its surface leaves the sphere where only the widest blends reach.
+    let flight = |p: DVec2| 1.0 + 100.0 * (p.abs().max_element() - 1.05).max(0.0).powi(2);
+    network.surfaces[0] = Arc::new(scaled_spline(0, flight));
+    let wild = blend(&network, &PaperMaps, &options).unwrap().widths;
+    for (c, corner) in network.corners.iter().enumerate() {
+        let beside =
+            corner.arcs.iter().any(|e| [network.arcs[e.arc].left, network.arcs[e.arc].right].contains(&0));
+        assert_eq!(wild.corner[c] < clean.corner[c], beside, "{c}: {} {}", wild.corner[c], clean.corner[c]);
     }
 }
 

@@ -144,7 +144,9 @@ mod tests {
         let report =
             suture_certify::certify(&surface, mesh.diagonal(), &suture_certify::CertifyOptions::default())
                 .unwrap();
-        assert_eq!((report.measured, report.position, report.open_edges), (Some(Continuity::C0), 0.0, 0));
+        assert_eq!((report.measured, report.open_edges), (Some(Continuity::C0), 0));
+        // Neighbours reach a point of their edge from different corners: rounding alone.
+        assert!(report.position <= 1e-15, "{:e}", report.position);
         assert_eq!(tessellation.mesh.faces, mesh.faces);
         assert!(degrees(&surface).iter().all(|d| d == "1"));
     }

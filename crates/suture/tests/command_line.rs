@@ -48,8 +48,8 @@ fn a_mesh_becomes_a_surface_in_every_format() {
     assert!(step["position"].as_f64().unwrap() < 1e-5 && step["open_edges"] == 0, "{step}");
     assert!(std::fs::read_to_string(folder.path().join("a.step")).unwrap().starts_with("ISO-10303-21;"));
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
-    // The material file of the OBJ and the report come on top.
-    assert_eq!(left.len(), outputs.len() + 2, "{left:?}");
+    // The material file of the OBJ, the STEP file and both reports come on top.
+    assert_eq!(left.len(), outputs.len() + 4, "{left:?}");
 
     let r = report(&folder.path().join("r.json"));
     assert_eq!(r["certificate"]["measured"], "C2");
