@@ -39,7 +39,7 @@ fn make_pages(root: &Path, pages: &Path) -> Result<(), String> {
     suture("large.html", &["reconstruct", &torus, "--labels", &torus_labels, "--chord", "5e-5"])?;
     let scene = root.join("crates/coons/examples/scenes/fig3.json");
     suture("fill.html", &["fill", &scene.display().to_string()])?;
-    // The cow of the issue where it is at hand, else the torus.
+    // Spot where the collection of meshes is at hand, else the torus.
     let (mesh, up) = spot(root).map_or((torus, "z"), |spot| (spot.display().to_string(), "y"));
     suture("reconstruct.html", &["reconstruct", &mesh, "--up", up])?;
     // Coarse: without graphics hardware every look at half a million triangles takes its time.
