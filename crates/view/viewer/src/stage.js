@@ -302,6 +302,8 @@ export class Stage {
     const pane = this.panes()[number];
     this.camera.aspect = pane.width / pane.height;
     this.camera.updateProjectionMatrix();
+    // The camera may have moved since the last picture.
+    this.camera.updateMatrixWorld();
     const at = new Vector2((2 * (x - pane.x)) / pane.width - 1, 1 - (2 * (y - pane.y)) / pane.height);
     const ray = new Raycaster();
     ray.setFromCamera(at, this.camera);
