@@ -50,16 +50,15 @@ pub struct MapReport {
 /// corner.
 pub fn check_maps(network: &Network, maps: &MapSet, widths: &[f64]) -> MapReport {
     let mut report = MapReport { jacobian: 1.0, obstacles: Vec::new() };
-    let gaps: Vec<f64> = network.arcs.iter().map(|arc| gap(network, arc)).collect();
     for (c, set) in maps.corners.iter().enumerate() {
         let corner = &network.corners[c];
         let n = corner.arcs.len();
         for (j, strip) in set.strips.iter().enumerate() {
             let sides = [network.segment(corner, j), network.segment(corner, (j + n - 1) % n)];
             let place = || format!("the strip beside corner {c} on arc {}", corner.arcs[j].arc);
-            check_strip(network, strip, sides, &[c], None, &place, &mut report);
-            let limit = MOST_APART * widths[c] + gaps[corner.arcs[j].arc];
-            check_apart(network, strip, sides, (widths[c], limit), &[c], &place, &mut report);
+            let grid = check_strip(network, strip, sides, &[c], None, &place, &mut report);
+            let arc = &network.arcs[corner.arcs[j].arc];
+            check_apart(network, arc, grid, sides, widths[c], &[c], &place, &mut report);
         }
         for (j, map) in set.gon.iter().enumerate() {
             let segment = network.segment(corner, j);
@@ -75,10 +74,9 @@ pub fn check_maps(network: &Network, maps: &MapSet, widths: &[f64]) -> MapReport
             // Only the ends of a chain depend on one corner alone.
             let corners = arc.corners;
             let sides = [arc.right, arc.left];
-            check_strip(network, strip, sides, &corners, Some(a), &place, &mut report);
+            let grid = check_strip(network, strip, sides, &corners, Some(a), &place, &mut report);
             let width = widths[corners[0]].max(widths[corners[1]]);
-            let limit = MOST_APART * width + gaps[a];
-            check_apart(network, strip, sides, (width, limit), &corners, &place, &mut report);
+            check_apart(network, arc, grid, sides, width, &corners, &place, &mut report);
         }
     }
     for segment in 0..network.surfaces.len() {
@@ -87,6 +85,7 @@ pub fn check_maps(network: &Network, maps: &MapSet, widths: &[f64]) -> MapReport
     report
 }
 
+/// Returns the jets of both maps that it looked at.
 fn check_strip(
     network: &Network,
     strip: &StripMaps,
@@ -95,8 +94,8 @@ fn check_strip(
     chain: Option<usize>,
     place: &dyn Fn() -> String,
     report: &mut MapReport,
-) {
-    for (map, segment) in [(&strip.down, sides[0]), (&strip.up, sides[1])] {
+) -> [Vec<Jet2<DVec2>>; 2] {
+    [(&strip.down, sides[0]), (&strip.up, sides[1])].map(|(map, segment)| {
         let grid = jets(map);
         let ratio = jacobian(grid.iter().copied());
         report.jacobian = report.jacobian.min(ratio);
@@ -106,36 +105,31 @@ fn check_strip(
         }
         let points = grid.iter().map(|j| j.p);
         check_inside(&network.surfaces[segment], segment, points, corners, place, report);
-    }
+        grid
+    })
 }
 
-/// Largest distance of the two surfaces on an arc.
-fn gap(network: &Network, arc: &ArcCurve) -> f64 {
-    let at = |segment: usize, at: DVec2| network.surfaces[segment].jet(at).p;
-    arc.samples
-        .iter()
-        .map(|s| at(arc.left, s.left).distance_squared(at(arc.right, s.right)))
-        .fold(0.0, f64::max)
-        .sqrt()
+/// Largest distance of pairs of parameters on two surfaces.
+fn apart(network: &Network, [a, b]: [usize; 2], pairs: impl Iterator<Item = (DVec2, DVec2)>) -> f64 {
+    let [a, b] = [a, b].map(|segment| &network.surfaces[segment]);
+    pairs.map(|(p, q)| a.point(p).distance_squared(b.point(q))).fold(0.0, f64::max).sqrt()
 }
 
 fn check_apart(
     network: &Network,
-    strip: &StripMaps,
+    arc: &ArcCurve,
+    [down, up]: [Vec<Jet2<DVec2>>; 2],
     sides: [usize; 2],
-    (width, limit): (f64, f64),
+    width: f64,
     corners: &[usize],
     place: &dyn Fn() -> String,
     report: &mut MapReport,
 ) {
-    let at = |segment: usize, at: DVec2| network.surfaces[segment].jet(at).p;
-    let distance = jets(&strip.down)
-        .iter()
-        .zip(jets(&strip.up))
-        .map(|(down, up)| at(sides[0], down.p).distance_squared(at(sides[1], up.p)))
-        .fold(0.0, f64::max)
-        .sqrt();
-    if distance > limit {
+    let distance = apart(network, sides, down.iter().zip(&up).map(|(d, u)| (d.p, u.p)));
+    let excess = distance - MOST_APART * width;
+    // The gap on the arc matters to few strips.
+    let gap = || apart(network, [arc.left, arc.right], arc.samples.iter().map(|s| (s.left, s.right)));
+    if excess > 0.0 && excess > gap() {
         let error = BlendError::Apart { place: place(), segments: sides, distance: distance / width };
         report.obstacles.push(Obstacle { error, corners: corners.to_vec(), chain: None });
     }
