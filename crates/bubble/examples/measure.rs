@@ -44,6 +44,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     for (name, mesh) in &meshes {
         for order in 0..3 {
+            let filter = std::env::var("ORDER").ok().and_then(|o| o.parse().ok());
+            if filter.is_some_and(|o: usize| o != order) {
+                continue;
+            }
             if let Err(e) = row(name, mesh, order) {
                 println!("{name:26} {:7} {order} {e}", mesh.faces.len());
             }

@@ -1,6 +1,6 @@
 //! From mesh to surface.
 
-use std::sync::Arc;
+use std::{borrow::Cow, sync::Arc};
 
 use rayon::prelude::*;
 use suture_surface::{Continuity, EdgeRef, Patch, PatchId, Seam, Surface};
@@ -14,6 +14,7 @@ use crate::{
     patch::{BubblePatch, Pairing, Side},
     poly_mesh::PolyMesh,
     report::{self, BubbleReport, BubbleWarning, Limits},
+    steer::steer_normals,
 };
 
 /// How a bubble surface is made.
@@ -33,11 +34,22 @@ pub struct BubbleOptions {
     pub refuse: f64,
     /// Strips below this value in one of these measures are counted in a warning. Default 0.3.
     pub warn: f64,
+    /// Normals whose cosine with the normal of a face there, or sine with an edge, is below this value are turned first, as little as needed
+    /// ([`steer_normals`]); a warning tells. Default 0.3; 0 keeps all. [`bubble_with`] leaves normals alone.
+    pub steer: f64,
 }
 
 impl Default for BubbleOptions {
     fn default() -> Self {
-        Self { order: 2, fit: Fit::Tangential, pairing: Pairing::Mean, curved: true, refuse: 0.05, warn: 0.3 }
+        Self {
+            order: 2,
+            fit: Fit::Tangential,
+            pairing: Pairing::Mean,
+            curved: true,
+            refuse: 0.05,
+            warn: 0.3,
+            steer: 0.3,
+        }
     }
 }
 
@@ -69,7 +81,17 @@ pub struct BubbleSurface {
 /// # References
 /// M. Kapl, M. Byrtus, B. Jüttler, *Triangular bubble spline surfaces*, 2011.
 pub fn bubble(mesh: &PolyMesh, options: &BubbleOptions) -> Result<BubbleSurface, BubbleError> {
-    bubble_with(mesh, &Fitted { fit: options.fit }, options)
+    mesh.check()?;
+    let fitted = Fitted { fit: options.fit };
+    let mut steered = Cow::Borrowed(mesh);
+    let turned =
+        if options.steer > 0.0 { steer_normals(steered.to_mut(), options.steer) } else { Vec::new() };
+    let mut surface = bubble_with(&steered, &fitted, options)?;
+    if let Some(&most) = turned.iter().max_by(|a, b| a.angle.total_cmp(&b.angle)) {
+        surface.report.warnings.push(BubbleWarning::Turned { count: turned.len(), most });
+    }
+    surface.report.turned = turned.len();
+    Ok(surface)
 }
 
 /// As [`bubble`], with vertex implicits from elsewhere; `options.fit` does not matter.
@@ -181,6 +203,7 @@ pub fn bubble_over(
         speed,
         regularity: least(0),
         fold: least(1),
+        turned: 0,
         warnings,
     };
     Ok(BubbleSurface { patches, seams, network, report })
@@ -229,7 +252,7 @@ impl BubbleSurface {
 }
 
 fn check_options(options: &BubbleOptions) -> Result<(), BubbleError> {
-    for (name, value) in [("refuse", options.refuse), ("warn", options.warn)] {
+    for (name, value) in [("refuse", options.refuse), ("warn", options.warn), ("steer", options.steer)] {
         if value.is_nan() {
             return Err(BubbleError::Option { name, value, range: "a number" });
         }

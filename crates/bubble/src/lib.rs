@@ -42,6 +42,7 @@ mod poly_mesh;
 mod record;
 mod report;
 mod series;
+mod steer;
 mod strip;
 mod tessellate;
 
@@ -54,6 +55,7 @@ pub use patch::{BubblePatch, Pairing};
 pub use poly_mesh::{Face, PolyMesh};
 pub use record::{RECORDS, load};
 pub use report::{BubbleReport, BubbleWarning, Extreme};
+pub use steer::{Turned, steer_normals};
 pub use strip::{EndTaylor, Strip};
 pub use tessellate::BubbleTessellation;
 

@@ -5,7 +5,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 use suture_surface::Patch;
 
-use crate::{BubbleError, cross, error::Measure, network::Network, patch::BubblePatch, strip::Strip};
+use crate::{
+    BubbleError, cross, error::Measure, network::Network, patch::BubblePatch, steer::Turned, strip::Strip,
+};
 
 /// A number with the place where it is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -43,6 +45,14 @@ pub enum BubbleWarning {
         /// The first one.
         first: usize,
     },
+    /// Normals were turned, so that they see their faces from the front and no edge runs along them.
+    #[error("{count} normals were turned, so that they see the faces there from the front; the most by {:.1}° at vertex {}", most.angle.to_degrees(), most.vertex)]
+    Turned {
+        /// Number of normals.
+        count: usize,
+        /// The one that was turned most.
+        most: Turned,
+    },
     /// Edges with more than two faces have strips but no seams.
     #[error("{count} edges have more than two faces (the first is {} → {}); no seam is claimed there", first[0], first[1])]
     NonManifold {
@@ -76,6 +86,8 @@ pub struct BubbleReport {
     pub regularity: f64,
     /// Smallest cosine between surface normal and interpolated normal over the samples; negative where the surface folds over.
     pub fold: f64,
+    /// Number of normals that were turned.
+    pub turned: usize,
     /// Doubts.
     pub warnings: Vec<BubbleWarning>,
 }
