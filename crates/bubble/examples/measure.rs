@@ -1,7 +1,7 @@
 //! The measurements of bubble surfaces: jumps across seams over the built-in shapes and the meshes named on the command line,
 //! convergence on the sphere, invariance, speed.
 //!
-//! `measure speed` prints the last table alone.
+//! `measure seams|jets|sphere|invariance|speed … FILES` prints these tables alone, and of the files alone.
 //!
 //! `cargo run --release -p suture-bubble --example measure -- ../shared/data/good/eight.off …`
 
@@ -13,22 +13,20 @@ use std::{error::Error, path::Path, time::Instant};
 use common::{jet_jumps, jumps, mean_curvature, parameters, tetrahedron, torus, with_normals};
 use glam::{DMat3, DVec2, DVec3};
 use suture_bubble::{BubbleOptions, Face, Fit, Implicit, PolyMesh, bubble, bubble_with};
-use suture_mesh::{TriMesh, io, shapes};
+use suture_mesh::{
+    Topology, TriMesh, io,
+    normals::{EstimateNormals, LoopLimit},
+    shapes,
+};
 use suture_surface::Patch;
 
+/// The tables, by the words that ask for one alone.
+const TABLES: [&str; 5] = ["seams", "jets", "sphere", "invariance", "speed"];
+
 fn main() -> Result<(), Box<dyn Error>> {
-    // `measure speed` for the last table alone.
-    if std::env::args().nth(1).is_some_and(|a| a == "speed") {
-        return speed();
-    }
-    println!(
-        "jumps at 50 parameters per edge, corners included: position / diagonal, normal in radians, shape operator relative"
-    );
-    println!(
-        "{:26} {:>7} n {:>9} {:>9} {:>9} {:>7} {:>7} {:>8}",
-        "mesh", "faces", "position", "normal", "shape", "cos", "fold", "build s"
-    );
-    let files: Vec<String> = std::env::args().skip(1).collect();
+    let (words, files): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|a| TABLES.contains(&a.as_str()));
+    let wanted = |table: &str| words.is_empty() || words.iter().any(|w| w == table);
     let mut meshes: Vec<(String, PolyMesh)> = vec![
         ("tetrahedron".into(), with_normals(&tetrahedron())),
         ("cube".into(), with_normals(&shapes::cuboid(DVec3::ONE, 1))),
@@ -37,35 +35,59 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("quad torus".into(), torus(12, 8, 0)),
         ("mixed torus".into(), torus(12, 8, 3)),
     ];
+    if !files.is_empty() && !words.is_empty() {
+        meshes.clear();
+    }
     for file in &files {
         let mesh = io::read(Path::new(file))?.mesh;
         let name = Path::new(file).file_stem().map_or(file.clone(), |s| s.to_string_lossy().into_owned());
-        meshes.push((name, with_normals(&mesh)));
+        let normals = match &mesh.normals {
+            Some(n) => n.iter().map(|n| n.normalize_or_zero()).collect(),
+            None => LoopLimit.estimate(&mesh, &Topology::build(&mesh)?)?,
+        };
+        meshes.push((name, PolyMesh::from_triangles(&mesh, &normals)?));
     }
-    for (name, mesh) in &meshes {
-        for order in 0..3 {
-            let filter = std::env::var("ORDER").ok().and_then(|o| o.parse().ok());
-            if filter.is_some_and(|o: usize| o != order) {
-                continue;
+    if wanted("seams") {
+        seams(&meshes);
+    }
+    if wanted("jets") {
+        println!("\njets of graphs across seams, by order 0 to 4, in units of the edge, relative");
+        for (name, mesh) in meshes.iter().filter(|m| m.1.faces.len() < 1000) {
+            for order in 1..5 {
+                match bubble(mesh, &BubbleOptions { order, ..Default::default() }) {
+                    Ok(s) => println!("{name:26} {order} {}", list(&jet_jumps(&s, &parameters(21)))),
+                    Err(e) => println!("{name:26} {order} {e}"),
+                }
             }
+        }
+    }
+    if wanted("sphere") {
+        spheres()?;
+    }
+    if wanted("invariance") {
+        invariance()?;
+    }
+    if wanted("speed") {
+        speed()?;
+    }
+    Ok(())
+}
+
+fn seams(meshes: &[(String, PolyMesh)]) {
+    println!(
+        "jumps at 50 parameters per edge, corners included: position / diagonal, normal in radians, shape operator relative"
+    );
+    println!(
+        "{:26} {:>7} n {:>9} {:>9} {:>9} {:>7} {:>7} {:>8}",
+        "mesh", "faces", "position", "normal", "shape", "cos", "fold", "build s"
+    );
+    for (name, mesh) in meshes {
+        for order in 0..3 {
             if let Err(e) = row(name, mesh, order) {
                 println!("{name:26} {:7} {order} {e}", mesh.faces.len());
             }
         }
     }
-    println!("\njets of graphs across seams, by order 0 to 4, in units of the edge, relative");
-    for (name, mesh) in meshes.iter().filter(|m| m.1.faces.len() < 1000) {
-        for order in 1..5 {
-            match bubble(mesh, &BubbleOptions { order, refuse: 0.0, ..Default::default() }) {
-                Ok(s) => println!("{name:26} {order} {}", list(&jet_jumps(&s, &parameters(21)))),
-                Err(e) => println!("{name:26} {order} {e}"),
-            }
-        }
-    }
-    spheres()?;
-    invariance()?;
-    speed()?;
-    Ok(())
 }
 
 fn diagonal(mesh: &PolyMesh) -> f64 {
@@ -76,7 +98,7 @@ fn diagonal(mesh: &PolyMesh) -> f64 {
 
 fn row(name: &str, mesh: &PolyMesh, order: usize) -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
-    let options = BubbleOptions { order, refuse: 0.0, ..Default::default() };
+    let options = BubbleOptions { order, ..Default::default() };
     let surface = bubble(mesh, &options)?;
     let seconds = start.elapsed().as_secs_f64();
     let j = jumps(&surface, diagonal(mesh), &parameters(50));

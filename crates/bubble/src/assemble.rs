@@ -7,10 +7,12 @@ use suture_surface::{Continuity, EdgeRef, Patch, PatchId, Seam, Surface};
 
 use crate::{
     BubbleError,
+    crease::split_creases,
+    fan::fans,
     fit::{Fit, Fitted},
     hermite::Hermite,
     implicit::{Implicit, VertexImplicits},
-    network::{EdgeUse, Network},
+    network::{EdgeUse, Edges, Network, Shapes},
     patch::{BubblePatch, Pairing, Side},
     poly_mesh::PolyMesh,
     report::{self, BubbleReport, BubbleWarning, Limits},
@@ -60,6 +62,8 @@ pub struct BubbleSurface {
     seams: Vec<Seam>,
     network: Network,
     report: BubbleReport,
+    /// The vertex that every one was before the mesh was split along creases; empty where it was not.
+    source: Vec<u32>,
 }
 
 /// A surface of order `n` over a mesh with normals: one patch per face, in the order of faces, joining with order `n` across edges and
@@ -81,17 +85,63 @@ pub struct BubbleSurface {
 /// # References
 /// M. Kapl, M. Byrtus, B. Jüttler, *Triangular bubble spline surfaces*, 2011.
 pub fn bubble(mesh: &PolyMesh, options: &BubbleOptions) -> Result<BubbleSurface, BubbleError> {
+    bubble_shaped(mesh, Vec::new(), options)
+}
+
+/// As [`bubble`], with creases along the edges `tagged`: order `n` everywhere else, one common curve and no more there. Faces keep their numbers;
+/// vertices of the network and the report are those of [`split_creases`].
+///
+/// # Errors
+/// As [`bubble`] and [`split_creases`].
+pub fn bubble_creased(
+    mesh: &PolyMesh,
+    tagged: &[[u32; 2]],
+    options: &BubbleOptions,
+) -> Result<BubbleSurface, BubbleError> {
+    let split = split_creases(mesh, tagged)?;
+    let mut surface = bubble_shaped(&split.mesh, split.creases, options)?;
+    surface.source = split.source;
+    Ok(surface)
+}
+
+fn bubble_shaped(
+    mesh: &PolyMesh,
+    creases: Vec<[[u32; 2]; 2]>,
+    options: &BubbleOptions,
+) -> Result<BubbleSurface, BubbleError> {
     mesh.check()?;
-    let fitted = Fitted { fit: options.fit };
     let mut steered = Cow::Borrowed(mesh);
     let turned =
         if options.steer > 0.0 { steer_normals(steered.to_mut(), options.steer) } else { Vec::new() };
-    let mut surface = bubble_with(&steered, &fitted, options)?;
+    let mut implicits = Fitted { fit: options.fit }.implicits(&steered)?;
+    // Where even the best normal sees faces from the side, tangents are laid out anew, and nothing can be said of curvature.
+    let bad = turned.iter().filter(|t| t.clearance[1] < options.steer * HOPELESS).map(|t| t.vertex);
+    let bad: Vec<u32> = bad.collect();
+    for &v in &bad {
+        implicits[v as usize] = Implicit::plane(steered.normals[v as usize]);
+    }
+    let tangents = if bad.is_empty() { Vec::new() } else { fans(&steered, &Edges::of(&steered), &bad) };
+    let shapes = Shapes { tangents, creases };
+    let network = Network::build_shaped(&steered, implicits, options.order, contact(options), &shapes)?;
+    let mut surface = bubble_over(&steered, network, options)?;
     if let Some(&most) = turned.iter().max_by(|a, b| a.angle.total_cmp(&b.angle)) {
         surface.report.warnings.push(BubbleWarning::Turned { count: turned.len(), most });
     }
+    if let Some(&first) = bad.first() {
+        surface.report.warnings.push(BubbleWarning::Unrolled { count: bad.len(), first });
+    }
     surface.report.turned = turned.len();
     Ok(surface)
+}
+
+/// Below this part of [`BubbleOptions::steer`] no normal is good enough.
+const HOPELESS: f64 = 0.5;
+
+fn contact(options: &BubbleOptions) -> usize {
+    match options.order {
+        0 if options.curved => 2,
+        n => 2 * n,
+    }
 }
 
 /// As [`bubble`], with vertex implicits from elsewhere; `options.fit` does not matter.
@@ -105,11 +155,7 @@ pub fn bubble_with(
 ) -> Result<BubbleSurface, BubbleError> {
     mesh.check()?;
     let implicits = implicits.implicits(mesh)?;
-    let contact = match options.order {
-        0 if options.curved => 2,
-        n => 2 * n,
-    };
-    bubble_over(mesh, Network::build(mesh, implicits, options.order, contact)?, options)
+    bubble_over(mesh, Network::build(mesh, implicits, options.order, contact(options))?, options)
 }
 
 /// The patches over given strips: the last step of [`bubble`]. Order, contact and implicits are those of the network.
@@ -197,7 +243,9 @@ pub fn bubble_over(
         triangles: sides - quads,
         quads,
         strips,
-        boundary: network.edges.edges.iter().filter(|e| e.faces.len() == 1).count(),
+        boundary: network.edges.edges.iter().filter(|e| e.faces.len() == 1).count()
+            - 2 * network.creases.len(),
+        creases: network.creases.len(),
         cosine: (n > 0).then_some(cosine),
         normal,
         speed,
@@ -206,7 +254,7 @@ pub fn bubble_over(
         turned: 0,
         warnings,
     };
-    Ok(BubbleSurface { patches, seams, network, report })
+    Ok(BubbleSurface { patches, seams, network, report, source: Vec::new() })
 }
 
 impl BubbleSurface {
@@ -233,6 +281,11 @@ impl BubbleSurface {
     /// The edge of side `k` of face `f`.
     pub(crate) fn side_edge(&self, f: usize, k: usize) -> usize {
         self.network.edges.sides[f][k] as usize
+    }
+
+    /// The vertex that `v` was before the mesh was split along creases.
+    pub(crate) fn whole(&self, v: u32) -> u32 {
+        self.source.get(v as usize).copied().unwrap_or(v)
     }
 
     /// The vertex of corner `k` of face `f`.
@@ -293,6 +346,15 @@ fn seams(network: &Network) -> (Vec<Seam>, Vec<[u32; 2]>) {
                 seams.push(seam);
             }
             _ => branching.push(e.vertices),
+        }
+    }
+    for sides in &network.creases {
+        let [a, b] = sides.map(|e| network.edges.edges[e as usize].faces.first());
+        if let (Some(a), Some(b)) = (a, b) {
+            let edge = |e: &EdgeUse| EdgeRef { patch: PatchId(e.face), edge: u32::from(e.side) };
+            let mut seam = Seam::new(edge(a), edge(b), Continuity::C0);
+            seam.same_direction = a.forward == b.forward;
+            seams.push(seam);
         }
     }
     (seams, branching)

@@ -83,6 +83,12 @@ pub enum BubbleError {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A tagged edge is no edge of the mesh.
+    #[error("the mesh has no edge {} → {}; tag edges by the numbers of their vertices, from 0", edge[0], edge[1])]
+    NoSuchEdge {
+        /// The edge, lower index first.
+        edge: [u32; 2],
+    },
     /// Numbers of implicits or strips do not match the mesh.
     #[error("{given} {what} were given, {needed} are needed")]
     Count {

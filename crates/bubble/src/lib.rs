@@ -28,11 +28,16 @@
 #![forbid(unsafe_code)]
 
 mod assemble;
+mod bend;
 mod corner;
+mod crease;
 mod cross;
 mod error;
+mod fan;
 mod fast;
 mod fit;
+mod half;
+mod height;
 mod hermite;
 mod implicit;
 mod monomial;
@@ -44,9 +49,11 @@ mod report;
 mod series;
 mod steer;
 mod strip;
+mod taylor;
 mod tessellate;
 
-pub use assemble::{BubbleOptions, BubbleSurface, bubble, bubble_over, bubble_with};
+pub use assemble::{BubbleOptions, BubbleSurface, bubble, bubble_creased, bubble_over, bubble_with};
+pub use crease::{Creased, sharp_edges, split_creases};
 pub use error::{BubbleError, Measure};
 pub use fit::{Fit, Fitted};
 pub use implicit::{Implicit, TaylorOf, VertexImplicits};

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::{
-    BubbleError, MAX_ORDER,
+    BubbleError, MAX_ORDER, bend, crease,
     implicit::Implicit,
     poly_mesh::PolyMesh,
-    strip::{Counts, Strip},
+    strip::{Bend, Counts, Strip},
 };
 
 /// An edge of the mesh with the faces along it.
@@ -124,6 +125,17 @@ pub struct Network {
     pub(crate) implicits: Vec<Implicit>,
     pub(crate) strips: Arc<Vec<Strip>>,
     pub(crate) edges: Edges,
+    /// Pairs of edges that are the two sides of a crease.
+    pub(crate) creases: Vec<[u32; 2]>,
+}
+
+/// What the boundary curves of some edges are, other than curves over the edge along the interpolated normal.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Shapes {
+    /// By edge, what to add to the derivatives at both ends; or empty.
+    pub(crate) tangents: Vec<Option<[DVec3; 2]>>,
+    /// Both sides of every crease, by their vertices.
+    pub(crate) creases: Vec<[[u32; 2]; 2]>,
 }
 
 impl Network {
@@ -138,25 +150,44 @@ impl Network {
         order: usize,
         contact: usize,
     ) -> Result<Self, BubbleError> {
+        Self::build_shaped(mesh, implicits, order, contact, &Shapes::default())
+    }
+
+    /// As [`build`](Self::build), with curves given for some edges.
+    pub(crate) fn build_shaped(
+        mesh: &PolyMesh,
+        implicits: Vec<Implicit>,
+        order: usize,
+        contact: usize,
+        shapes: &Shapes,
+    ) -> Result<Self, BubbleError> {
         mesh.check()?;
         let counts = check_orders(mesh, &implicits, order, contact)?;
         let edges = Edges::of(mesh);
+        let (creases, curves) = bent(mesh, &implicits, &edges, contact, shapes);
         let strips = edges
             .edges
             .par_iter()
-            .map_init(Vec::new, |scratch, e| {
+            .enumerate()
+            .map_init(Vec::new, |scratch, (number, e)| {
                 let [a, b] = e.vertices.map(|v| v as usize);
                 let ends = [mesh.positions[a], mesh.positions[b]];
                 if ends[0] == ends[1] {
                     return Err(BubbleError::CoincidentVertices { edge: e.vertices });
                 }
                 let normals = [implicits[a].gradient(), implicits[b].gradient()];
-                Ok(Strip::between(counts, ends, normals, [&implicits[a], &implicits[b]], scratch))
+                let at = curves.binary_search_by_key(&(number as u32), |c| c.0).ok();
+                let bend = match at.map(|i| &curves[i]) {
+                    Some((_, curve, true)) => Bend::Whole(curve),
+                    Some((_, curve, false)) => Bend::Part(curve),
+                    None => Bend::None,
+                };
+                Ok(Strip::between(counts, ends, normals, [&implicits[a], &implicits[b]], bend, scratch))
             })
             .collect::<Vec<_>>();
         // The first error in the order of edges, whatever the threads did.
         let strips = strips.into_iter().collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { order, contact, implicits, strips: Arc::new(strips), edges })
+        Ok(Self { order, contact, implicits, strips: Arc::new(strips), edges, creases })
     }
 
     /// A network of strips from elsewhere, one per edge in the order of [`mesh_edges`], in the canonical direction, with the implicits
@@ -195,7 +226,7 @@ impl Network {
                 return bad("its normals are not the gradients of the implicits");
             }
         }
-        Ok(Self { order, contact, implicits, strips: Arc::new(strips), edges })
+        Ok(Self { order, contact, implicits, strips: Arc::new(strips), edges, creases: Vec::new() })
     }
 
     /// The order `n`.
@@ -217,6 +248,40 @@ impl Network {
     pub fn edges(&self) -> &[MeshEdge] {
         &self.edges.edges
     }
+}
+
+/// The creases as pairs of edges, and the bends of edges, ascending: edge, curve, whether it stands instead of a height.
+fn bent(
+    mesh: &PolyMesh,
+    implicits: &[Implicit],
+    edges: &Edges,
+    contact: usize,
+    shapes: &Shapes,
+) -> (Vec<[u32; 2]>, Vec<(u32, Vec<DVec3>, bool)>) {
+    let mut curves = Vec::new();
+    let mut creases = Vec::with_capacity(shapes.creases.len());
+    for sides in &shapes.creases {
+        let find = |s: [u32; 2]| edges.edges.binary_search_by_key(&s, |e| e.vertices).ok();
+        let (Some(a), Some(b)) = (find(sides[0]), find(sides[1])) else { continue };
+        creases.push([a as u32, b as u32]);
+        if contact > 0 {
+            let at = |end: usize| sides.map(|s| &implicits[s[end] as usize]);
+            let [v, w] = sides[0].map(|v| mesh.positions[v as usize]);
+            let curve = crease::curve(contact, w - v, [at(0), at(1)]);
+            curves.push((a as u32, curve.clone(), true));
+            curves.push((b as u32, curve, true));
+        }
+    }
+    curves.sort_by_key(|c| c.0);
+    for (number, tangents) in shapes.tangents.iter().enumerate() {
+        if let &Some([start, end]) = tangents
+            && contact > 0
+            && let Err(at) = curves.binary_search_by_key(&(number as u32), |c| c.0)
+        {
+            curves.insert(at, (number as u32, bend::tangents(start, end), false));
+        }
+    }
+    (creases, curves)
 }
 
 /// The edges of a mesh in the order of their vertices: that of the strips of a network.

@@ -84,8 +84,20 @@ pub fn load(record: &Record, _: &SplinePool) -> Result<Box<dyn Patch>, RecordErr
         sides[k] = Side { strip: k as u32, reversed: data.strips[k].1 };
         (corners[k], normals[k]) = (data.corners[k], data.normals[k]);
     }
+    let bent = data.strips.iter().any(|s| !s.0.bend().is_empty());
     let strips = Arc::new(data.strips.into_iter().map(|s| s.0).collect());
     let (jets, twists) = (data.jets, data.twists);
     let pairing = data.pairing;
-    Ok(Box::new(BubblePatch { strips, sides, count, order: n, pairing, corners, normals, jets, twists }))
+    Ok(Box::new(BubblePatch {
+        strips,
+        sides,
+        count,
+        order: n,
+        pairing,
+        bent,
+        corners,
+        normals,
+        jets,
+        twists,
+    }))
 }

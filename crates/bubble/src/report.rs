@@ -53,6 +53,16 @@ pub enum BubbleWarning {
         /// The one that was turned most.
         most: Turned,
     },
+    /// No normal sees all faces of a vertex from the front: the tangents of its edges were laid out anew.
+    #[error(
+        "the faces at {count} vertices (the first is {first}) cannot be seen from any one side; their edges leave in other directions, and patches may fold there"
+    )]
+    Unrolled {
+        /// Number of vertices.
+        count: usize,
+        /// The first one.
+        first: u32,
+    },
     /// Edges with more than two faces have strips but no seams.
     #[error("{count} edges have more than two faces (the first is {} → {}); no seam is claimed there", first[0], first[1])]
     NonManifold {
@@ -76,6 +86,8 @@ pub struct BubbleReport {
     pub strips: usize,
     /// Number of strips on the boundary.
     pub boundary: usize,
+    /// Number of creases.
+    pub creases: usize,
     /// Smallest cosine between gradient and interpolated normal over all strips: the denominator of every cross derivative. `None` for order 0.
     pub cosine: Option<Extreme>,
     /// Smallest length of the interpolated normal relative to the longer one at the ends.

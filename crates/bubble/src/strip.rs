@@ -9,10 +9,10 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    BubbleError, MAX_ORDER,
+    BubbleError, MAX_ORDER, bend,
     implicit::Implicit,
     monomial::{self, TABLE},
-    series::Series,
+    series::{self, Series},
 };
 
 /// Entries of the tensor of degree `k`.
@@ -35,6 +35,9 @@ pub struct Strip {
     normals: [DVec3; 2],
     /// Level 0 is `h̃`, level `k` the `components(k)` entries of `ψ_k`, all entries of one coefficient together.
     coefficients: Vec<f64>,
+    /// Bernstein coefficients of the curve added to the straight edge; none for most.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    bend: Vec<DVec3>,
 }
 
 /// What a strip copies at one end: Taylor coefficients in the parameter that grows from that end (`s = 1 − t` at the second).
@@ -86,7 +89,7 @@ impl Strip {
                 newton(a, b, &mut coefficients[first + entry..], components(k));
             }
         }
-        Self::checked(Self { order, contact, ends, normals, coefficients })
+        Self::checked(Self { order, contact, ends, normals, coefficients, bend: Vec::new() })
     }
 
     /// The strip between two vertices with their implicits.
@@ -95,13 +98,14 @@ impl Strip {
         ends: [DVec3; 2],
         normals: [DVec3; 2],
         implicits: [&Implicit; 2],
+        bend: Bend,
         scratch: &mut Vec<f64>,
     ) -> Self {
         // The lengths are those of powers of t; one instance per order keeps the loops short.
         match counts.contact {
-            0..=2 => Self::between_sized::<3>(counts, ends, normals, implicits, scratch),
-            3..=4 => Self::between_sized::<5>(counts, ends, normals, implicits, scratch),
-            _ => Self::between_sized::<9>(counts, ends, normals, implicits, scratch),
+            0..=2 => Self::between_sized::<3>(counts, ends, normals, implicits, bend, scratch),
+            3..=4 => Self::between_sized::<5>(counts, ends, normals, implicits, bend, scratch),
+            _ => Self::between_sized::<9>(counts, ends, normals, implicits, bend, scratch),
         }
     }
 
@@ -110,17 +114,29 @@ impl Strip {
         ends: [DVec3; 2],
         normals: [DVec3; 2],
         implicits: [&Implicit; 2],
+        bend: Bend,
         scratch: &mut Vec<f64>,
     ) -> Self {
         let mut heights = [[0.0; L]; 2];
         let mut tensors = [[[[0.0; L]; MOST]; MAX_ORDER]; 2];
         for end in 0..2 {
             let (n, m) = (normals[end], normals[1 - end]);
-            let base = line_base(ends[1 - end] - ends[end]);
+            let mut base = line_base(ends[1 - end] - ends[end]);
+            let curve = bend.curve();
+            if !curve.is_empty() {
+                let extra = bend::taylor::<L>(curve, end);
+                for axis in 0..3 {
+                    base[axis] = series::add(&base[axis], &extra[axis]);
+                }
+            }
             heights[end] =
                 end_taylor::<L>(counts.order, implicits[end], &base, n, m - n, &mut tensors[end], scratch);
+            if matches!(bend, Bend::Whole(_)) {
+                // Zero but for rounding: both sides of a crease must have the same curve to the bit.
+                heights[end] = [0.0; L];
+            }
         }
-        Self::from_series(counts, ends, normals, heights, &tensors)
+        Self { bend: bend.curve().to_vec(), ..Self::from_series(counts, ends, normals, heights, &tensors) }
     }
 
     /// From series in the parameters of the ends.
@@ -141,12 +157,13 @@ impl Strip {
                 newton(a, b, &mut coefficients[first + entry..], components(k));
             }
         }
-        Self { order: counts.order, contact: counts.contact, ends, normals, coefficients }
+        let bend = Vec::new();
+        Self { order: counts.order, contact: counts.contact, ends, normals, coefficients, bend }
     }
 
     fn checked(self) -> Result<Self, BubbleError> {
         let finite = self.coefficients.iter().all(|c| c.is_finite())
-            && self.ends.iter().chain(&self.normals).all(|p| p.is_finite());
+            && self.ends.iter().chain(&self.normals).chain(&self.bend).all(|p| p.is_finite());
         if finite { Ok(self) } else { Err(BubbleError::Strip { strip: 0, reason: "a number is not finite" }) }
     }
 
@@ -170,9 +187,14 @@ impl Strip {
         self.normals
     }
 
+    /// Bernstein coefficients of the curve that is added to the straight edge; none where nothing is.
+    pub fn bend(&self) -> &[DVec3] {
+        &self.bend
+    }
+
     /// Whether every number of it is finite.
     pub(crate) fn finite(&self) -> bool {
-        self.coefficients.iter().all(|c| c.is_finite())
+        self.coefficients.iter().all(|c| c.is_finite()) && self.bend.iter().all(|q| q.is_finite())
     }
 
     /// The Newton coefficients of level `k`, `components(k)` entries each.
@@ -254,7 +276,11 @@ impl Strip {
             }
             out
         });
-        p
+        if self.bend.is_empty() {
+            return p;
+        }
+        let bend = bend::series::<L>(&self.bend, t);
+        std::array::from_fn(|axis| series::add(&p[axis], &bend[axis]))
     }
 
     /// The interpolated normal at `t`; exact at both ends.
@@ -272,18 +298,48 @@ struct RawStrip {
     ends: [DVec3; 2],
     normals: [DVec3; 2],
     coefficients: Vec<f64>,
+    #[serde(default)]
+    bend: Vec<DVec3>,
 }
 
 impl TryFrom<RawStrip> for Strip {
     type Error = BubbleError;
 
     fn try_from(raw: RawStrip) -> Result<Self, BubbleError> {
-        let RawStrip { order, contact, ends, normals, coefficients } = raw;
+        let RawStrip { order, contact, ends, normals, coefficients, bend } = raw;
         let counts = Counts { order, contact };
         if !counts.valid() || coefficients.len() != counts.total() {
             return Err(BubbleError::Strip { strip: 0, reason: "its coefficients have the wrong counts" });
         }
-        Self { order, contact, ends, normals, coefficients }.checked()
+        let zero_ends =
+            bend.first().is_none_or(|q| *q == DVec3::ZERO) && bend.last().is_none_or(|q| *q == DVec3::ZERO);
+        if bend.len() > 2 * counts.contact + 4 || !zero_ends {
+            return Err(BubbleError::Strip {
+                strip: 0,
+                reason: "its bend is too long or does not vanish at its ends",
+            });
+        }
+        Self { order, contact, ends, normals, coefficients, bend }.checked()
+    }
+}
+
+/// What is added to a straight edge.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Bend<'a> {
+    /// Nothing.
+    None,
+    /// A curve, beside a height.
+    Part(&'a [DVec3]),
+    /// A curve, instead of a height.
+    Whole(&'a [DVec3]),
+}
+
+impl<'a> Bend<'a> {
+    pub(crate) fn curve(&self) -> &'a [DVec3] {
+        match self {
+            Self::None => &[],
+            Self::Part(curve) | Self::Whole(curve) => curve,
+        }
     }
 }
 
@@ -485,7 +541,7 @@ mod tests {
         let ends = [DVec3::ZERO, DVec3::new(1.0, 0.3, -0.2)];
         let normals = [DVec3::Z, DVec3::new(0.3, 0.1, 0.9)];
         let counts = Counts { order: 2, contact: 4 };
-        let strip = Strip::between(counts, ends, normals, [&f, &f], &mut Vec::new());
+        let strip = Strip::between(counts, ends, normals, [&f, &f], Bend::None, &mut Vec::new());
         let [coarse, fine] = [0.02, 0.01].map(|t| f.value(strip.curve(t)[0]));
         assert!((coarse / fine).log2() > 4.8, "{coarse:e} {fine:e}");
         assert_eq!(strip.curve(0.0)[0], ends[0]);

@@ -59,7 +59,8 @@ impl BubbleSurface {
                 let count = self.patches()[f].corners().len();
                 let mut ids = [u32::MAX; 4];
                 for k in 0..count {
-                    let v = self.corner(f, k) as usize;
+                    // Sectors at a crease share their point.
+                    let v = self.whole(self.corner(f, k)) as usize;
                     if numbers[v] == u32::MAX {
                         numbers[v] = vertices.len() as u32;
                         vertices.push(point(f as u32, corner(count, k)));
@@ -69,11 +70,14 @@ impl BubbleSurface {
                 ids
             })
             .collect();
-        let first = vertices.len();
+        // Both sides of a crease share the points of one.
+        let mut slots: Vec<usize> = (0..edges.len()).collect();
+        self.network().creases.iter().for_each(|&[a, b]| slots[b as usize] = a as usize);
         let along: Vec<Vec<Vertex>> = edges
             .par_iter()
-            .map(|e| {
-                let Some(a) = e.faces.first() else { return Vec::new() };
+            .enumerate()
+            .map(|(number, e)| {
+                let Some(a) = e.faces.first().filter(|_| slots[number] == number) else { return Vec::new() };
                 let count = self.patches()[a.face as usize].corners().len();
                 (1..n)
                     .map(|k| {
@@ -83,7 +87,11 @@ impl BubbleSurface {
                     .collect()
             })
             .collect();
-        vertices.extend(along.into_iter().flatten());
+        let mut starts = Vec::with_capacity(edges.len());
+        for points in along {
+            starts.push(vertices.len());
+            vertices.extend(points);
+        }
         let inside: Vec<Vec<Vertex>> = (0..faces)
             .into_par_iter()
             .map(|f| {
@@ -107,7 +115,7 @@ impl BubbleSurface {
                 }
                 let edge = self.side_edge(f, k);
                 let step = if edges[edge].vertices[0] == self.corner(f, k) { step } else { n - step };
-                (first + edge * (n - 1) + step - 1) as u32
+                (starts[slots[edge]] + step - 1) as u32
             };
             let mut push = |nodes: [[usize; 2]; 3]| {
                 out.mesh.faces.push(nodes.map(|[i, j]| id(i, j)));

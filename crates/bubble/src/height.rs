@@ -1,0 +1,371 @@
+//! The height of a patch: its halves summed, or the corner's polynomial.
+
+use glam::DVec2;
+use suture_surface::Jet2;
+
+use crate::{
+    MAX_ORDER,
+    corner::plane_index,
+    cross::{CrossData, cross},
+    fast::{self, Directions, Lane, Pair},
+    half::{GRADIENT, Half},
+    hermite::rising,
+    patch::{BubblePatch, Pairing},
+    strip::Strip,
+};
+
+/// Up to this barycentric distance from a corner (by order) the corner's polynomial stands for the height: the exact formula divides
+/// rounding by the square of the distance there, the polynomial's second derivatives are off by its power `2n − 1`.
+const RADIUS: [f64; MAX_ORDER + 1] = [1e-5, 1e-5, 1e-3, 7e-3, 2e-2];
+
+/// Value and derivatives to order two in two variables `x` (inward) and `λ` (along).
+type Two = [f64; 6];
+
+impl BubblePatch {
+    /// The corner whose polynomial stands for the height at `at`, with the local parameters there.
+    #[inline(always)]
+    pub(crate) fn near_corner(&self, at: DVec2) -> Option<(usize, f64, f64)> {
+        if self.count == 4 {
+            return None;
+        }
+        let b = [1.0 - at.x - at.y, at.x, at.y];
+        let radius = RADIUS[self.order];
+        (0..3).find_map(|k| {
+            let (x, y) = (b[(k + 1) % 3], b[(k + 2) % 3]);
+            (x + y <= radius).then_some((k, x, y))
+        })
+    }
+
+    /// The jet of the height `h`.
+    pub fn height(&self, at: DVec2) -> Jet2<f64> {
+        match self.order {
+            // Bent bases are for the general code.
+            0 if self.bent() => self.height_sized::<0, 3>(at),
+            1 if self.bent() => self.height_sized::<1, 4>(at),
+            2 if self.bent() => self.height_sized::<2, 5>(at),
+            0 => self.height_fast::<0>(at),
+            1 => self.height_fast::<1>(at),
+            2 => self.height_fast::<2>(at),
+            3 => self.height_sized::<3, 6>(at),
+            _ => self.height_sized::<4, 7>(at),
+        }
+    }
+
+    #[inline(always)]
+    fn height_sized<const N: usize, const L: usize>(&self, at: DVec2) -> Jet2<f64> {
+        if let Some((k, x, y)) = self.near_corner(at) {
+            return self.corner_height(k, x, y);
+        }
+        let mut sum = Jet2::default();
+        for h in 0..self.halves() {
+            let half = self.half(h);
+            let [data, twist] = self.weights(&half);
+            if data == 0.0 {
+                continue;
+            }
+            let [x, lambda, w] = self.coordinates(&half, at);
+            let strip = &self.strips[self.sides[half.side].strip as usize];
+            let t = if half.against { w } else { lambda };
+            let mut e: CrossData<L> = cross::<N, L>(strip, t, &self.leaving(&half, lambda));
+            if half.against {
+                e.iter_mut().for_each(|e| e[1] = -e[1]);
+            }
+            let mut values = [[0.0; 3]; MAX_ORDER + 1];
+            for i in 0..N + 1 {
+                values[i] = [data * e[i][0], data * e[i][1], 2.0 * data * e[i][2]];
+            }
+            self.subtract_twists::<N>(h, lambda, twist, &mut values);
+            let f = if self.count == 3 { blend::<N>(x, w, &values) } else { blend_square::<N>(x, &values) };
+            sum = sum.add(plane_jet(&f, &self.gradients(&half)));
+        }
+        sum
+    }
+
+    /// [`height_sized`](Self::height_sized) for orders up to 2: the two halves of a side go together.
+    #[inline(always)]
+    fn height_fast<const N: usize>(&self, at: DVec2) -> Jet2<f64> {
+        if let Some((k, x, y)) = self.near_corner(at) {
+            return self.corner_height(k, x, y);
+        }
+        let mut sum = Jet2::default();
+        if self.count == 4 {
+            for h in 0..4 {
+                let half = self.half(h);
+                let [x, lambda, w] = self.coordinates(&half, at);
+                let [(base, base_slope), (normal, normal_slope)] =
+                    self.leave(&half, lambda).map(|(a, b)| (a.to_array(), b.to_array()));
+                let d = Directions { base, base_slope, normal, normal_slope };
+                let t = if half.against { w } else { lambda };
+                let mut e = fast::cross::<f64, N, true>(self.strip_of(&half), t, &d);
+                let sign = if half.against { -1.0 } else { 1.0 };
+                for (i, e) in e.iter_mut().enumerate().take(N + 1) {
+                    let q = self.twist::<f64, N, 1>([h], i, lambda, |[c]| c);
+                    *e = [e[0] - 0.5 * q[0], sign * e[1] - 0.5 * q[1], 2.0 * e[2] - q[2]];
+                }
+                let f = fast::blend::<f64, N, true>(x, w, &e);
+                sum = sum.add(plane_jet(&f, &self.gradients(&half)));
+            }
+            return sum;
+        }
+        for side in 0..3 {
+            let halves = [self.half(2 * side), self.half(2 * side + 1)];
+            let [first, second] = [0, 1].map(|k| self.weights(&halves[k]));
+            if first[0] == 0.0 && second[0] == 0.0 {
+                continue;
+            }
+            let [p, q] = [0, 1].map(|k| self.coordinates(&halves[k], at));
+            let (x, lambda, w) = (Pair([p[0], q[0]]), Pair([p[1], q[1]]), Pair([p[2], q[2]]));
+            let zero = [Pair([0.0; 2]); 3];
+            let [base, normal] = [&self.corners, &self.normals].map(|x| {
+                let [a, b] = [0, 1].map(|k| x[halves[k].inward] - x[halves[k].from]);
+                [Pair([a.x, b.x]), Pair([a.y, b.y]), Pair([a.z, b.z])]
+            });
+            let d = Directions { base, base_slope: zero, normal, normal_slope: zero };
+            // The halves run against each other: one of them along the strip's canonical direction.
+            let (t, sign) = if halves[0].against {
+                (Pair([p[2], q[1]]), Pair([-1.0, 1.0]))
+            } else {
+                (Pair([p[1], q[2]]), Pair([1.0, -1.0]))
+            };
+            let mut e = fast::cross::<Pair, N, false>(self.strip_of(&halves[0]), t, &d);
+            let (data, weight) = (Pair([first[0], second[0]]), Pair([first[1], second[1]]));
+            for (i, e) in e.iter_mut().enumerate().take(N + 1) {
+                let q = self.twist::<Pair, N, 2>([2 * side, 2 * side + 1], i, lambda, Pair);
+                let two = Pair([2.0; 2]);
+                *e = [
+                    data * e[0] - weight * q[0],
+                    data * sign * e[1] - weight * q[1],
+                    two * (data * e[2] - weight * q[2]),
+                ];
+            }
+            let f = fast::blend::<Pair, N, false>(x, w, &e);
+            for k in 0..2 {
+                sum = sum.add(plane_jet(&f.map(|f| f.0[k]), &self.gradients(&halves[k])));
+            }
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn strip_of(&self, half: &Half) -> &Strip {
+        &self.strips[self.sides[half.side].strip as usize]
+    }
+
+    /// Taylor coefficients of order 0 to 2 of `Q_i` of some halves.
+    #[inline(always)]
+    fn twist<T: Lane, const N: usize, const K: usize>(
+        &self,
+        halves: [usize; K],
+        i: usize,
+        lambda: T,
+        pack: impl Fn([f64; K]) -> T,
+    ) -> [T; 3] {
+        let mut q = [T::splat(0.0); 3];
+        if N == 0 {
+            return q;
+        }
+        let rows = halves.map(|h| &self.twists[(h * (N + 1) + i) * (2 * N + 2)..][..2 * N + 2]);
+        for j in (0..2 * N + 2).rev() {
+            q[2] = q[2] * lambda + q[1];
+            q[1] = q[1] * lambda + q[0];
+            q[0] = q[0] * lambda + pack(rows.map(|r| r[j]));
+        }
+        q
+    }
+
+    /// Takes `weight · Q_i(λ)` off value and first two derivatives.
+    #[inline(always)]
+    fn subtract_twists<const N: usize>(
+        &self,
+        half: usize,
+        lambda: f64,
+        weight: f64,
+        values: &mut [[f64; 3]],
+    ) {
+        if weight == 0.0 || self.twists.is_empty() {
+            return;
+        }
+        let rows = &self.twists[half * (N + 1) * (2 * N + 2)..];
+        for (value, row) in values.iter_mut().zip(rows.chunks_exact(2 * N + 2)).take(N + 1) {
+            let mut q = [0.0; 3];
+            for &c in row.iter().rev() {
+                q = [q[0] * lambda + c, q[1] * lambda + q[0], q[2] * lambda + q[1]];
+            }
+            *value = [value[0] - weight * q[0], value[1] - weight * q[1], value[2] - 2.0 * weight * q[2]];
+        }
+    }
+
+    /// The corner's polynomial; the inward gradients of its parameters turn it to `(u, v)`.
+    fn corner_height(&self, k: usize, x: f64, y: f64) -> Jet2<f64> {
+        let (size, length) = self.jet_size();
+        let Some(c) = self.jets.get(k * size..(k + 1) * size) else {
+            if self.order == 0 && self.pairing != Pairing::Mean {
+                return self.nudged(k, x, y);
+            }
+            return Jet2::default();
+        };
+        let [px, py] = [powers(x), powers(y)];
+        let mut f: Two = [0.0; 6];
+        for a in 0..length {
+            for b in 0..length - a {
+                let c = c[plane_index(a, b)];
+                f[0] += c * px[0][a] * py[0][b];
+                f[1] += c * px[1][a] * py[0][b];
+                f[2] += c * px[0][a] * py[1][b];
+                f[3] += c * px[2][a] * py[0][b];
+                f[4] += c * px[1][a] * py[1][b];
+                f[5] += c * px[0][a] * py[2][b];
+            }
+        }
+        plane_jet(&f, &[GRADIENT[(k + 1) % 3], GRADIENT[(k + 2) % 3]])
+    }
+
+    /// Taylor's polynomial about a point a little further inside: single pairings of order 0 have no polynomial of their own at
+    /// corners.
+    fn nudged(&self, k: usize, x: f64, y: f64) -> Jet2<f64> {
+        let r = 2.0 * RADIUS[0];
+        let local = DVec2::new(r, r);
+        let mut b = [0.0; 3];
+        (b[k], b[(k + 1) % 3], b[(k + 2) % 3]) = (1.0 - 2.0 * r, r, r);
+        let j = self.height(DVec2::new(b[1], b[2]));
+        let d = DVec2::new(x, y) - local;
+        // From changes of the corner's barycentric coordinates to changes of u and v.
+        let mut to = [0.0; 3];
+        (to[k], to[(k + 1) % 3], to[(k + 2) % 3]) = (-d.x - d.y, d.x, d.y);
+        let (du, dv) = (to[1], to[2]);
+        Jet2 {
+            p: j.p + j.du * du + j.dv * dv + 0.5 * (j.duu * du * du + j.dvv * dv * dv) + j.duv * du * dv,
+            du: j.du + j.duu * du + j.duv * dv,
+            dv: j.dv + j.duv * du + j.dvv * dv,
+            ..j
+        }
+    }
+}
+
+/// `Σ_i w^i H_{0,i}(x/w) E_i(λ)` with `w = 1 − λ`: value and derivatives in `x` and `λ`, from `E_i` with two derivatives.
+#[inline(always)]
+fn blend<const N: usize>(x: f64, w: f64, e: &[[f64; 3]; MAX_ORDER + 1]) -> Two {
+    let inverse = 1.0 / w;
+    let r = x * inverse;
+    let basis = rising::<N>(r, (w - x) * inverse);
+    let mut f = [0.0; 6];
+    // w^(i−2), w^(i−1), w^i.
+    let mut scale = [inverse * inverse, inverse, 1.0];
+    for i in 0..N + 1 {
+        let [h, d, dd] = basis[i];
+        let i_f = i as f64;
+        let g = scale[2] * h;
+        let (gx, gw) = (scale[1] * d, scale[1] * (i_f * h - r * d));
+        let gxx = scale[0] * dd;
+        let gxw = scale[0] * ((i_f - 1.0) * d - r * dd);
+        let gww = scale[0] * (i_f * (i_f - 1.0) * h - 2.0 * (i_f - 1.0) * r * d + r * r * dd);
+        let [e0, e1, e2] = e[i];
+        f[0] += g * e0;
+        f[1] += gx * e0;
+        f[2] += g * e1 - gw * e0;
+        f[3] += gxx * e0;
+        f[4] += gx * e1 - gxw * e0;
+        f[5] += g * e2 - 2.0 * gw * e1 + gww * e0;
+        scale = [scale[1], scale[2], scale[2] * w];
+    }
+    f
+}
+
+/// `Σ_i H_{0,i}(x) E_i(λ)`.
+#[inline(always)]
+fn blend_square<const N: usize>(x: f64, e: &[[f64; 3]; MAX_ORDER + 1]) -> Two {
+    let basis = rising::<N>(x, 1.0 - x);
+    let mut f = [0.0; 6];
+    for i in 0..N + 1 {
+        let ([h, d, dd], [e0, e1, e2]) = (basis[i], e[i]);
+        f[0] += h * e0;
+        f[1] += d * e0;
+        f[2] += h * e1;
+        f[3] += dd * e0;
+        f[4] += d * e1;
+        f[5] += h * e2;
+    }
+    f
+}
+
+/// Chain rule with affine coordinates.
+#[inline(always)]
+fn plane_jet(f: &Two, [a, b]: &[[f64; 2]; 2]) -> Jet2<f64> {
+    let second =
+        |i: usize, j: usize| f[3] * (a[i] * a[j]) + f[4] * (a[i] * b[j] + a[j] * b[i]) + f[5] * (b[i] * b[j]);
+    Jet2 {
+        p: f[0],
+        du: f[1] * a[0] + f[2] * b[0],
+        dv: f[1] * a[1] + f[2] * b[1],
+        duu: second(0, 0),
+        duv: second(0, 1),
+        dvv: second(1, 1),
+    }
+}
+
+/// Powers `x^a` with their first two derivatives.
+fn powers(x: f64) -> [[f64; 9]; 3] {
+    let mut out = [[0.0; 9]; 3];
+    let mut power = 1.0;
+    for a in 0..9 {
+        out[0][a] = power;
+        if a + 1 < 9 {
+            out[1][a + 1] = (a + 1) as f64 * power;
+        }
+        if a + 2 < 9 {
+            out[2][a + 2] = ((a + 1) * (a + 2)) as f64 * power;
+        }
+        power *= x;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BubbleOptions, Face, PolyMesh, bubble};
+    use glam::DVec3;
+    use suture_surface::Patch;
+
+    #[test]
+    fn the_fast_and_the_general_way_agree() {
+        let positions =
+            [[0.0, 0.0, 0.0], [1.0, 0.1, 0.2], [1.3, 1.2, -0.1], [-0.1, 0.9, 0.3], [0.5, 1.9, 0.4]];
+        let normals =
+            [[-0.2, -0.3, 1.0], [0.3, -0.2, 0.9], [0.2, 0.25, 1.1], [-0.1, 0.2, 1.0], [0.0, 0.4, 0.9]];
+        let faces = vec![Face::Quad([0, 1, 2, 3]), Face::Triangle([3, 2, 4])];
+        let [positions, normals] = [positions, normals].map(|x| x.map(DVec3::from_array).to_vec());
+        let mesh = PolyMesh { positions, normals, faces };
+        for order in 0..3 {
+            for pairing in [Pairing::Mean, Pairing::Single([1, 2, 0])] {
+                let s = bubble(&mesh, &BubbleOptions { order, pairing, ..Default::default() }).unwrap();
+                for patch in s.patches() {
+                    for (u, v) in [(0.2, 0.3), (0.5, 0.0), (0.7, 0.1), (0.0, 0.4), (0.35, 0.65)] {
+                        let at = DVec2::new(u, v);
+                        let general = match order {
+                            0 => patch.height_sized::<0, 3>(at),
+                            1 => patch.height_sized::<1, 4>(at),
+                            _ => patch.height_sized::<2, 5>(at),
+                        };
+                        let fast = patch.height(at);
+                        let c = patch.taylor(at);
+                        let jet = patch.jet(at);
+                        for (a, b) in [
+                            (general.p, fast.p),
+                            (general.du, fast.du),
+                            (general.dv, fast.dv),
+                            (general.duu, fast.duu),
+                            (general.duv, fast.duv),
+                            (general.dvv, fast.dvv),
+                        ] {
+                            assert!((a - b).abs() < 1e-11, "{order} {pairing:?} {at}: {general:?} {fast:?}");
+                        }
+                        for (a, b) in [(c[1][0], jet.du), (c[2][0] * 2.0, jet.duu), (c[1][1], jet.duv)] {
+                            assert!(a.distance(b) < 1e-11, "{order} {pairing:?} {at}: {a} {b}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
