@@ -135,7 +135,7 @@ fn bubble_shaped(
 }
 
 /// Below this part of [`BubbleOptions::steer`] no normal is good enough.
-const HOPELESS: f64 = 0.5;
+const HOPELESS: f64 = 0.75;
 
 fn contact(options: &BubbleOptions) -> usize {
     match options.order {
@@ -211,7 +211,7 @@ pub fn bubble_over(
         }
         let (sides, positions, implicits) = (&sides[..count], &positions[..count], &implicits[..count]);
         let strips = Arc::clone(&shared);
-        let patch = BubblePatch::build(
+        let mut patch = BubblePatch::build(
             strips,
             sides,
             positions,
@@ -221,6 +221,8 @@ pub fn bubble_over(
             &hermite,
             scratch,
         );
+        patch.vertices[..count].copy_from_slice(corners);
+        patch.sources = network.built.then(|| Arc::clone(&network.implicits));
         let measured = report::regularity(&patch);
         (patch, measured)
     };

@@ -131,6 +131,11 @@ pub enum BubbleError {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A patch over a bent base has no net of the stated degrees.
+    #[error(
+        "the patch has a bent side (a crease, or an edge whose tangent was laid out anew); only others are written as B-splines"
+    )]
+    Bent,
     /// A surface point is not finite.
     #[error(
         "the surface over face {face} is not finite; its coordinates or normals are too large or too small"

@@ -19,7 +19,7 @@ use crate::{
 const RADIUS: [f64; MAX_ORDER + 1] = [1e-5, 1e-5, 1e-3, 7e-3, 2e-2];
 
 /// Value and derivatives to order two in two variables `x` (inward) and `λ` (along).
-type Two = [f64; 6];
+pub(crate) type Two = [f64; 6];
 
 impl BubblePatch {
     /// The corner whose polynomial stands for the height at `at`, with the local parameters there.
@@ -147,7 +147,7 @@ impl BubblePatch {
     }
 
     #[inline(always)]
-    fn strip_of(&self, half: &Half) -> &Strip {
+    pub(crate) fn strip_of(&self, half: &Half) -> &Strip {
         &self.strips[self.sides[half.side].strip as usize]
     }
 
@@ -175,7 +175,7 @@ impl BubblePatch {
 
     /// Takes `weight · Q_i(λ)` off value and first two derivatives.
     #[inline(always)]
-    fn subtract_twists<const N: usize>(
+    pub(crate) fn subtract_twists<const N: usize>(
         &self,
         half: usize,
         lambda: f64,
@@ -196,7 +196,7 @@ impl BubblePatch {
     }
 
     /// The corner's polynomial; the inward gradients of its parameters turn it to `(u, v)`.
-    fn corner_height(&self, k: usize, x: f64, y: f64) -> Jet2<f64> {
+    pub(crate) fn corner_height(&self, k: usize, x: f64, y: f64) -> Jet2<f64> {
         let (size, length) = self.jet_size();
         let Some(c) = self.jets.get(k * size..(k + 1) * size) else {
             if self.order == 0 && self.pairing != Pairing::Mean {
@@ -244,7 +244,7 @@ impl BubblePatch {
 
 /// `Σ_i w^i H_{0,i}(x/w) E_i(λ)` with `w = 1 − λ`: value and derivatives in `x` and `λ`, from `E_i` with two derivatives.
 #[inline(always)]
-fn blend<const N: usize>(x: f64, w: f64, e: &[[f64; 3]; MAX_ORDER + 1]) -> Two {
+pub(crate) fn blend<const N: usize>(x: f64, w: f64, e: &[[f64; 3]; MAX_ORDER + 1]) -> Two {
     let inverse = 1.0 / w;
     let r = x * inverse;
     let basis = rising::<N>(r, (w - x) * inverse);
@@ -273,7 +273,7 @@ fn blend<const N: usize>(x: f64, w: f64, e: &[[f64; 3]; MAX_ORDER + 1]) -> Two {
 
 /// `Σ_i H_{0,i}(x) E_i(λ)`.
 #[inline(always)]
-fn blend_square<const N: usize>(x: f64, e: &[[f64; 3]; MAX_ORDER + 1]) -> Two {
+pub(crate) fn blend_square<const N: usize>(x: f64, e: &[[f64; 3]; MAX_ORDER + 1]) -> Two {
     let basis = rising::<N>(x, 1.0 - x);
     let mut f = [0.0; 6];
     for i in 0..N + 1 {
@@ -290,7 +290,7 @@ fn blend_square<const N: usize>(x: f64, e: &[[f64; 3]; MAX_ORDER + 1]) -> Two {
 
 /// Chain rule with affine coordinates.
 #[inline(always)]
-fn plane_jet(f: &Two, [a, b]: &[[f64; 2]; 2]) -> Jet2<f64> {
+pub(crate) fn plane_jet(f: &Two, [a, b]: &[[f64; 2]; 2]) -> Jet2<f64> {
     let second =
         |i: usize, j: usize| f[3] * (a[i] * a[j]) + f[4] * (a[i] * b[j] + a[j] * b[i]) + f[5] * (b[i] * b[j]);
     Jet2 {

@@ -63,6 +63,14 @@ impl Implicit {
         Self { degree, coefficients }
     }
 
+    /// Whether it has the size of its degree, finite coefficients and a gradient.
+    pub(crate) fn valid(&self) -> bool {
+        (1..=MAX_DEGREE).contains(&self.degree)
+            && self.coefficients.len() == monomial::count(self.degree)
+            && self.coefficients.iter().all(|c| c.is_finite())
+            && self.gradient() != DVec3::ZERO
+    }
+
     /// The degree `m`.
     pub fn degree(&self) -> usize {
         self.degree

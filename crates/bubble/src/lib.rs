@@ -47,6 +47,7 @@ mod poly_mesh;
 mod record;
 mod report;
 mod series;
+pub mod spline;
 mod steer;
 mod strip;
 mod taylor;

@@ -122,9 +122,11 @@ impl Rings {
 pub struct Network {
     pub(crate) order: usize,
     pub(crate) contact: usize,
-    pub(crate) implicits: Vec<Implicit>,
+    pub(crate) implicits: Arc<Vec<Implicit>>,
     pub(crate) strips: Arc<Vec<Strip>>,
     pub(crate) edges: Edges,
+    /// Whether the strips follow from the implicits.
+    pub(crate) built: bool,
     /// Pairs of edges that are the two sides of a crease.
     pub(crate) creases: Vec<[u32; 2]>,
 }
@@ -187,7 +189,8 @@ impl Network {
             .collect::<Vec<_>>();
         // The first error in the order of edges, whatever the threads did.
         let strips = strips.into_iter().collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { order, contact, implicits, strips: Arc::new(strips), edges, creases })
+        let (implicits, strips) = (Arc::new(implicits), Arc::new(strips));
+        Ok(Self { order, contact, implicits, strips, edges, built: true, creases })
     }
 
     /// A network of strips from elsewhere, one per edge in the order of [`mesh_edges`], in the canonical direction, with the implicits
@@ -226,7 +229,8 @@ impl Network {
                 return bad("its normals are not the gradients of the implicits");
             }
         }
-        Ok(Self { order, contact, implicits, strips: Arc::new(strips), edges, creases: Vec::new() })
+        let (implicits, strips) = (Arc::new(implicits), Arc::new(strips));
+        Ok(Self { order, contact, implicits, strips, edges, built: false, creases: Vec::new() })
     }
 
     /// The order `n`.

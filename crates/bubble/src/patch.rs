@@ -51,6 +51,10 @@ pub struct BubblePatch {
     pub(crate) pairing: Pairing,
     /// Whether a side is bent: its strip adds a curve to the straight edge.
     pub(crate) bent: bool,
+    /// The implicits from which strips, jets and twists follow, by vertex; none over strips that were given.
+    pub(crate) sources: Option<Arc<Vec<Implicit>>>,
+    /// The vertices, as numbers in `sources`.
+    pub(crate) vertices: [u32; 4],
     pub(crate) corners: [DVec3; 4],
     pub(crate) normals: [DVec3; 4],
     /// Coefficients of `h` about every corner, in the parameters towards the next and the previous corner.
@@ -86,6 +90,8 @@ impl BubblePatch {
             order,
             pairing,
             bent: false,
+            sources: None,
+            vertices: [0; 4],
             corners: [DVec3::ZERO; 4],
             normals: [DVec3::ZERO; 4],
             jets: Vec::new(),
@@ -235,6 +241,14 @@ impl BubblePatch {
             ..Jet2::default()
         }
     }
+
+    /// `L + h N` and the bends.
+    #[inline(always)]
+    pub(crate) fn lift(&self, h: &Jet2<f64>, at: DVec2) -> Jet2 {
+        let [l, n] = [&self.corners, &self.normals].map(|x| self.interpolate(x, at));
+        let sum = l.add(n.weighted(h));
+        if self.bent() { sum.add(self.bend_jet(at)) } else { sum }
+    }
 }
 
 impl Patch for BubblePatch {
@@ -247,10 +261,7 @@ impl Patch for BubblePatch {
     }
 
     fn jet(&self, at: DVec2) -> Jet2 {
-        let h = self.height(at);
-        let [l, n] = [&self.corners, &self.normals].map(|x| self.interpolate(x, at));
-        let sum = l.add(n.weighted(&h));
-        if self.bent() { sum.add(self.bend_jet(at)) } else { sum }
+        self.lift(&self.height(at), at)
     }
 
     fn kind(&self) -> PatchKind {

@@ -192,6 +192,11 @@ impl Strip {
         &self.bend
     }
 
+    /// Whether every number of it is finite, and its ends are apart.
+    pub(crate) fn sound(&self) -> bool {
+        self.finite() && self.ends[0] != self.ends[1] && self.normals.iter().all(|n| *n != DVec3::ZERO)
+    }
+
     /// Whether every number of it is finite.
     pub(crate) fn finite(&self) -> bool {
         self.coefficients.iter().all(|c| c.is_finite()) && self.bend.iter().all(|q| q.is_finite())
@@ -311,9 +316,7 @@ impl TryFrom<RawStrip> for Strip {
         if !counts.valid() || coefficients.len() != counts.total() {
             return Err(BubbleError::Strip { strip: 0, reason: "its coefficients have the wrong counts" });
         }
-        let zero_ends =
-            bend.first().is_none_or(|q| *q == DVec3::ZERO) && bend.last().is_none_or(|q| *q == DVec3::ZERO);
-        if bend.len() > 2 * counts.contact + 4 || !zero_ends {
+        if !bend_fits(&bend, contact) {
             return Err(BubbleError::Strip {
                 strip: 0,
                 reason: "its bend is too long or does not vanish at its ends",
@@ -343,6 +346,12 @@ impl<'a> Bend<'a> {
     }
 }
 
+/// Whether a bend is no longer than those made here, and vanishes at its ends.
+pub(crate) fn bend_fits(bend: &[DVec3], contact: usize) -> bool {
+    let zero = |q: Option<&DVec3>| q.is_none_or(|q| *q == DVec3::ZERO);
+    bend.len() <= 2 * contact + 4 && zero(bend.first()) && zero(bend.last())
+}
+
 /// How many coefficients a strip has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Counts {
@@ -353,7 +362,7 @@ pub(crate) struct Counts {
 }
 
 impl Counts {
-    fn valid(&self) -> bool {
+    pub(crate) fn valid(&self) -> bool {
         self.order <= MAX_ORDER
             && self.contact <= 2 * MAX_ORDER
             && (self.order == 0 || self.contact == 2 * self.order)

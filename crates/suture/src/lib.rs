@@ -28,7 +28,7 @@ pub use page::{degrees, facets};
 pub use reconstruct::{Fairness, ReconstructOptions, Reconstruction, Splits, Stages, reconstruct, samples};
 pub use repair::repair_all;
 pub use report::Report;
-pub use sew::{NormalSource, SewOptions, Sewn, sew_apatch, sew_bubble, vertex_normals};
+pub use sew::{NormalSource, SewOptions, Sewn, sew_apatch, sew_bubble, sew_creased, vertex_normals};
 pub use watch::{Stage, Unwatched, Watch};
 
 use suture_surface::{Patch, Record, RecordError, SplinePool};

@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use glam::DVec3;
 use suture_apatch::{ApatchOptions, ApatchReport, apatch};
-use suture_bubble::{BubbleOptions, BubbleReport, PolyMesh, bubble};
-use suture_certify::{Certificate, CertifyOptions, Deviation, certify, deviation};
+use suture_bubble::{BubbleOptions, BubbleReport, PolyMesh, bubble, bubble_creased};
+use suture_certify::{Certificate, CertifyOptions, Deviation, SeamReport, certify, deviation};
 use suture_mesh::normals::{AngleWeighted, AreaWeighted, EstimateNormals, LoopLimit, QuadricFit};
 use suture_mesh::{Topology, TriMesh};
-use suture_surface::Surface;
+use suture_surface::{Continuity, Surface};
 use suture_tessellate::Tessellation;
 
 use crate::{Stage, SutureError, Watch, samples};
@@ -184,11 +184,31 @@ pub fn sew_bubble(
     options: &SewOptions,
     watch: &dyn Watch,
 ) -> Result<Sewn<BubbleReport>, SutureError> {
+    sew_creased(mesh, normals, &[], bubbles, options, watch)
+}
+
+/// As [`sew_bubble`], with creases along the edges `creases` (pairs of vertices): there the patches share a curve and no more.
+///
+/// # Errors
+/// As [`sew_bubble`]; an edge that the mesh does not have.
+pub fn sew_creased(
+    mesh: &TriMesh,
+    normals: &[DVec3],
+    creases: &[[u32; 2]],
+    bubbles: &BubbleOptions,
+    options: &SewOptions,
+    watch: &dyn Watch,
+) -> Result<Sewn<BubbleReport>, SutureError> {
     let mut clock = Clock { seconds: BTreeMap::new(), watch };
     let built = clock.run(Stage::Patches, || {
         // Zero and what is not finite stay, to be named.
         let unit: Vec<DVec3> = normals.iter().map(|n| n.try_normalize().unwrap_or(*n)).collect();
-        Ok(bubble(&PolyMesh::from_triangles(mesh, &unit)?, bubbles)?)
+        let poly = PolyMesh::from_triangles(mesh, &unit)?;
+        Ok(if creases.is_empty() {
+            bubble(&poly, bubbles)?
+        } else {
+            bubble_creased(&poly, creases, bubbles)?
+        })
     })?;
     let n = options.resolution(mesh.faces.len());
     let tessellation = clock.run(Stage::Tessellate, || {
@@ -199,7 +219,25 @@ pub fn sew_bubble(
     })?;
     let report = built.report().clone();
     let warnings = report.warnings.iter().map(ToString::to_string).collect();
-    measure(mesh, built.into_surface()?, report, tessellation, warnings, options, clock)
+    let mut sewn = measure(mesh, built.into_surface()?, report, tessellation, warnings, options, clock)?;
+    sewn.warnings.extend(creased(&sewn));
+    Ok(sewn)
+}
+
+/// What the certificate says away from creases, whose claim is the smallest.
+fn creased(sewn: &Sewn<BubbleReport>) -> Option<String> {
+    let smooth = || sewn.certificate.seams.iter().filter(|s| s.claimed > Continuity::C0);
+    let worst = |value: fn(&SeamReport) -> f64| smooth().map(value).fold(0.0, f64::max);
+    let least = smooth().map(|s| s.measured).min()?;
+    let measured = least.map_or("nothing".into(), |c| format!("{c:?}"));
+    let (normal, curvature) = (worst(|s| s.normal.value), worst(|s| s.curvature.value));
+    (sewn.report.creases > 0).then(|| {
+        format!(
+            "{} creases claim no more than C0; away from them {measured} is measured over {} seams: normal {normal:.1e} rad, curvature {curvature:.1e}",
+            sewn.report.creases,
+            smooth().count(),
+        )
+    })
 }
 
 fn measure<R>(

@@ -1,9 +1,11 @@
 //! `suture bubble`.
 
+use std::path::{Path, PathBuf};
+
 use clap::{Args as ClapArgs, ValueEnum};
 use serde::Serialize;
-use suture::bubble::{BubbleOptions, Fit, MAX_ORDER};
-use suture::{Report, SutureError, sew_bubble, vertex_normals};
+use suture::bubble::{BubbleOptions, Fit, MAX_ORDER, PolyMesh, sharp_edges};
+use suture::{Report, SutureError, sew_creased, vertex_normals};
 
 use super::args;
 use super::commands::settings;
@@ -27,6 +29,16 @@ pub(crate) struct Bubble {
     /// relative speed falls below this; 0 accepts all
     #[arg(long, value_name = "VALUE", default_value_t = BubbleOptions::default().refuse)]
     refuse: f64,
+    /// Take the normals as they are, even where they see a face from behind (it folds) or an edge runs along them
+    #[arg(long)]
+    keep_normals: bool,
+    /// Keep edges sharp where the normals of their faces make a larger angle, in degrees
+    #[arg(long, value_name = "ANGLE")]
+    creases: Option<f64>,
+    /// Keep these edges sharp: two numbers of vertices per line, from 0; added to those of --creases
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip)]
+    crease_edges: Option<PathBuf>,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, Default, Serialize)]
@@ -56,9 +68,39 @@ pub(crate) fn run(a: &Bubble, common: &args::Common, report: &mut Report) -> Res
         Fitting::Quartic => Fit::Quartic,
     };
     let (order, curved, refuse) = (a.order.into(), !a.flat, a.refuse);
-    let bubbles = BubbleOptions { order, fit, curved, refuse, ..BubbleOptions::default() };
+    let steer = if a.keep_normals { 0.0 } else { BubbleOptions::default().steer };
+    let bubbles = BubbleOptions { order, fit, curved, refuse, steer, ..BubbleOptions::default() };
+    if let Some(angle) = a.creases.filter(|angle| !(0.0..=180.0).contains(angle)) {
+        let what = format!("--creases {angle} is not an angle between 0 and 180 degrees");
+        return Err(SutureError::Unsuitable { what });
+    }
+    let given = a.crease_edges.as_deref().map(read_edges).transpose()?.unwrap_or_default();
     a.local.run(common, report, |mesh, options, watch| {
         let normals = vertex_normals(mesh, a.local.source())?;
-        sew_bubble(mesh, &normals, &bubbles, options, watch)
+        let mut tagged = given;
+        if let Some(angle) = a.creases {
+            let poly = PolyMesh::from_triangles(mesh, &normals)?;
+            tagged.extend(sharp_edges(&poly, angle.to_radians())?);
+        }
+        sew_creased(mesh, &normals, &tagged, &bubbles, options, watch)
     })
+}
+
+/// Pairs of vertices, one per line; empty lines and those that begin with `#` do not count.
+fn read_edges(path: &Path) -> Result<Vec<[u32; 2]>, SutureError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| SutureError::Unsuitable { what: format!("{}: {e}", path.display()) })?;
+    let mut out = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let words: Vec<u32> = line.split_whitespace().map_while(|w| w.parse().ok()).collect();
+        let two = (line.split_whitespace().count() == 2).then(|| <[u32; 2]>::try_from(words).ok()).flatten();
+        out.push(two.ok_or_else(|| SutureError::Unsuitable {
+            what: format!("{}, line {}: not two numbers of vertices", path.display(), number + 1),
+        })?);
+    }
+    Ok(out)
 }
