@@ -1,4 +1,4 @@
-//! From the layout to faces that keep the tolerance: fit, measure, refine the nodes of the classes that miss it, again.
+//! From the layout to faces that keep the tolerance: fit, measure, refine the nodes where it is missed, again.
 
 use std::collections::BTreeMap;
 
@@ -8,16 +8,23 @@ use suture_bernstein::BSplineSurface;
 use suture_surface::Surface;
 
 use super::brep::{Brep, Coedge, Edge, Face, Geometry, Pcurve};
-use super::layout::{Block, Layout, LayoutEdge, Use, Vertex};
+use super::layout::{Block, Interval, Layout, LayoutEdge, Use, Vertex};
 use super::measure::{self, Jump};
 use super::{StepOptions, exact, fit};
 use crate::{ExportError, group};
 
-/// Intervals per edge to begin with; sides between N-gons and strips have twice as many.
-const FIRST: usize = 4;
+/// Intervals to begin with on half an edge, and on half an edge of an N-gon.
+const FIRST: [usize; 2] = [1, 2];
 
-/// Intervals that no class exceeds for the sake of position, of angles, and of curvatures, which gain the least from them.
-const MOST: [usize; 3] = [256, 128, 40];
+/// Length that no interval falls below, in halves of an edge, for the sake of position, of angles, and of curvatures, which gain the least.
+const LEAST: [f64; 3] = [1.0 / 2048.0, 1.0 / 512.0, 1.0 / 256.0];
+
+/// Into how many parts an interval is divided at most, for the sake of each.
+const PARTS: [f64; 3] = [4.0, 3.0, 2.0];
+
+/// What may at most be left of a jump of curvature after two divisions for a third one. A kink leaves a quarter, more where the places of
+/// the samples moved away from it; folds leave everything.
+const GAIN: f64 = 0.85;
 
 /// How many times the nodes are refined at most.
 const ROUNDS: usize = 10;
@@ -75,31 +82,24 @@ pub(crate) fn refine(
         }
         let brep = assemble(surface, &layout, &fitted)?;
         let uses = uses(&brep);
-        let jumps: Vec<Vec<Jump>> = (0..brep.edges.len())
+        let jumps: Vec<Vec<(Option<Interval>, Jump)>> = (0..brep.edges.len())
             .into_par_iter()
             .map(|e| measure::edge(&brep, &layout, e, diagonal, &uses[e]))
             .collect();
         let errors = worst(&brep, &uses, &deviations, &jumps);
-        let wanted = wanted(&layout, &deviations, &jumps, limit, options);
-        let mut changed = vec![false; layout.classes.len()];
-        if round < ROUNDS {
-            for (c, class) in layout.classes.iter_mut().enumerate() {
-                if wanted[c] > class.intervals {
-                    class.intervals = wanted[c];
-                    changed[c] = true;
-                }
-            }
-        }
-        if !changed.contains(&true) {
+        let changed = round < ROUNDS && divide(&mut layout, &deviations, &jumps, limit, options);
+        if !changed {
             let found = errors.position.max(errors.gap);
             if !(found <= limit) {
                 return Err(ExportError::StepTolerance { found: found / diagonal, limit: options.tolerance });
             }
             return Ok((brep, errors));
         }
-        for (b, block) in layout.blocks.iter().enumerate() {
-            if changed[block.class] || block.pieces.iter().any(|p| changed[p.class]) {
-                fitted[b] = None;
+        for (block, fitted) in layout.blocks.iter().zip(&mut fitted) {
+            let nodes = layout.nodes(block);
+            let counts = nodes.map(|n| n.iter().map(|n| n.len() - 1).sum::<usize>() + 3 + 2 * n.len());
+            if fitted.as_ref().is_some_and(|f| f.count() != counts) {
+                *fitted = None;
             }
         }
     }
@@ -107,56 +107,65 @@ pub(crate) fn refine(
     Err(ExportError::StepTolerance { found: f64::NAN, limit: options.tolerance })
 }
 
-/// The intervals that every class should have for its errors to be within the limits.
-fn wanted(
-    layout: &Layout,
+/// Divides the intervals whose errors are beyond the limits; whether there were any.
+fn divide(
+    layout: &mut Layout,
     deviations: &[measure::Deviation],
-    jumps: &[Vec<Jump>],
+    jumps: &[Vec<(Option<Interval>, Jump)>],
     limit: f64,
     options: &StepOptions,
-) -> Vec<usize> {
-    let mut factor = vec![[0.0f64; 3]; layout.classes.len()];
-    let mut ask = |class: usize, kind: usize, error: f64, limit: f64, order: f64| {
-        let over = error / (SAFETY * limit);
-        if over > 1.0 || over.is_nan() {
-            let by = (1.1 * over.powf(1.0 / order)).clamp(1.2, 2.0);
-            factor[class][kind] = factor[class][kind].max(if by.is_nan() { 2.0 } else { by });
-        }
+) -> bool {
+    // Of every interval of every class: how far beyond its limit each kind of error is.
+    let mut over: Vec<Vec<[f64; 3]>> =
+        layout.classes.iter().map(|c| vec![[0.0; 3]; c.history.len()]).collect();
+    let mut ask = |at: Interval, kind: usize, error: f64, limit: f64| {
+        let by = error / (SAFETY * limit);
+        let worst = &mut over[at.class][at.number][kind];
+        *worst = if by.is_nan() { f64::INFINITY } else { worst.max(by) };
     };
-    // A factor of 2 at most: kinks that nodes happen to meet mislead the estimate. Values are met to the third order only, angles to the second, curvatures to the first: the surfaces beneath are piecewise, and
-    // patches are C² where they cross.
-    for (block, deviation) in layout.blocks.iter().zip(deviations) {
-        for (k, piece) in block.pieces.iter().enumerate() {
-            let (a, b, inside) = (deviation.along_a[k], deviation.along_b[k], deviation.inside[k]);
-            ask(piece.class, 0, a, limit, 3.0);
-            ask(block.class, 0, b, limit, 3.0);
-            if a.max(b) <= SAFETY * limit {
-                ask(if a > b { piece.class } else { block.class }, 0, inside, limit, 3.0);
+    for deviation in deviations {
+        for &(at, error) in deviation.along_a.iter().chain(&deviation.along_b) {
+            ask(at, 0, error, limit);
+        }
+        let columns = deviation.along_b.len();
+        for (cell, &error) in deviation.inside.iter().enumerate() {
+            let ((a, in_a), (b, in_b)) =
+                (deviation.along_a[cell / columns], deviation.along_b[cell % columns]);
+            if in_a.max(in_b) <= SAFETY * limit {
+                ask(if in_a > in_b { a } else { b }, 0, error, limit);
             }
         }
     }
-    for (edge, parts) in layout.edges.iter().zip(jumps) {
-        for (class, jump) in edge.classes.iter().zip(parts) {
-            if let Some(class) = *class {
-                ask(class, 0, jump.gap, limit, 3.0);
-                ask(class, 1, jump.angle, options.angle, 2.0);
-                ask(class, 2, jump.bend, options.curvature, 1.0);
-            }
+    for &(at, jump) in jumps.iter().flatten() {
+        if let Some(at) = at {
+            ask(at, 0, jump.gap, limit);
+            ask(at, 1, jump.angle, options.angle);
+            ask(at, 2, jump.curvature, options.curvature);
         }
     }
-    layout
-        .classes
-        .iter()
-        .zip(factor)
-        .map(|(class, factors)| {
-            let more = (0..3).map(|k| {
-                let most = if class.halved { 2 * MOST[k] } else { MOST[k] };
-                let n = ((class.intervals as f64 * factors[k]).ceil() as usize).min(most);
-                if class.halved { n.next_multiple_of(2) } else { n }
-            });
-            more.fold(class.intervals, usize::max)
-        })
-        .collect()
+    let mut changed = false;
+    for (class, over) in layout.classes.iter_mut().zip(over) {
+        let parts: Vec<usize> = over
+            .iter()
+            .enumerate()
+            .map(|(i, over)| {
+                let of = |kind: usize| {
+                    let possible = (class.length(i) / LEAST[kind]).floor().min(PARTS[kind]);
+                    let hopeless = kind == 2 && over[2] > GAIN * class.history[i][0];
+                    if over[kind] <= 1.0 || possible < 2.0 || hopeless {
+                        return 1;
+                    }
+                    // Values are met to the third order only, angles to the second, curvatures to the first: the surfaces beneath are
+                    // piecewise, and patches are C² where they cross.
+                    (1.1 * over[kind].powf([1.0 / 3.0, 0.5, 1.0][kind])).ceil().clamp(2.0, possible) as usize
+                };
+                (0..3).map(of).fold(1, usize::max)
+            })
+            .collect();
+        let wrong: Vec<f64> = over.iter().map(|o| o[2]).collect();
+        changed |= class.divide(&parts, &wrong);
+    }
+    changed
 }
 
 /// Of every edge the faces that use it, and the place of the use in the face.
@@ -174,13 +183,15 @@ fn worst(
     brep: &Brep,
     uses: &[Vec<(usize, usize)>],
     deviations: &[measure::Deviation],
-    jumps: &[Vec<Jump>],
+    jumps: &[Vec<(Option<Interval>, Jump)>],
 ) -> Errors {
     let nan_max = |a: f64, b: f64| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) };
-    let all = deviations.iter().flat_map(|d| d.along_a.iter().chain(&d.along_b).chain(&d.inside));
-    let mut errors = Errors { position: all.copied().fold(0.0, nan_max), ..Errors::default() };
+    let all = deviations
+        .iter()
+        .flat_map(|d| d.along_a.iter().chain(&d.along_b).map(|x| x.1).chain(d.inside.iter().copied()));
+    let mut errors = Errors { position: all.fold(0.0, nan_max), ..Errors::default() };
     for (edge, parts) in jumps.iter().enumerate() {
-        for jump in parts {
+        for (_, jump) in parts {
             errors.gap = nan_max(errors.gap, jump.gap);
             errors.angle = errors.angle.max(jump.angle);
             if jump.curvature > errors.curvature {
