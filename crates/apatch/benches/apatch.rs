@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use suture_apatch::{ApatchOptions, Shooting, apatch};
+use suture_apatch::{ApatchOptions, Shooting, Side, apatch};
 use suture_mesh::shapes;
 
 fn build(c: &mut Criterion) {
@@ -43,5 +43,33 @@ fn evaluate(c: &mut Criterion) {
     c.bench_function("root by Cardano", |b| b.iter(|| black_box(shot).cardano()));
 }
 
-criterion_group!(benches, build, evaluate);
+/// One apex weight changed: the forms of a face and its edges, and the points that follow.
+fn weight(c: &mut Criterion) {
+    let mut group = c.benchmark_group("weight of one face");
+    group.sample_size(20);
+    for level in [2, 4] {
+        let mesh = shapes::sphere(level);
+        let Ok(mut surface) = apatch(&mesh, &mesh.positions, &ApatchOptions::default()) else { return };
+        let Some((_, before)) = surface.apex(7, Side::Positive) else { return };
+        let mut weight = before;
+        group.bench_function(BenchmarkId::new("set", mesh.faces.len()), |b| {
+            b.iter(|| {
+                weight += 1e-9;
+                surface.set_weight(7, Side::Positive, black_box(weight))
+            })
+        });
+    }
+    let mesh = shapes::sphere(2);
+    let Ok(surface) = apatch(&mesh, &mesh.positions, &ApatchOptions::default()) else { return };
+    for n in [8, 24] {
+        let Some(rays) = surface.weight_rays(7, Side::Positive, n, n.div_ceil(4)) else { return };
+        group.throughput(Throughput::Elements(rays.len() as u64));
+        group.bench_function(BenchmarkId::new("points", rays.len()), |b| {
+            b.iter(|| rays.points(black_box(0.1)).map(|p| p.0).sum::<glam::DVec3>())
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, build, evaluate, weight);
 criterion_main!(benches);

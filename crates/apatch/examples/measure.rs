@@ -2,10 +2,14 @@
 //!
 //! `cargo run --release -p suture-apatch --example measure -- MESH…`
 
+#[path = "../tests/common/mod.rs"]
+mod common;
+
 use std::time::Instant;
 
+use common::wall_jumps;
 use glam::{DVec2, DVec3};
-use suture_apatch::{ApatchOptions, ApatchSurface, Cell, FaceClass, Location, apatch};
+use suture_apatch::{ApatchOptions, ApatchSurface, Class, apatch};
 use suture_mesh::normals::{EstimateNormals, LoopLimit};
 use suture_mesh::{Topology, TriMesh, io, shapes};
 
@@ -80,8 +84,9 @@ fn measure(name: &str, mesh: &TriMesh) {
         r.edge_pieces,
         (r.face_pieces + r.edge_pieces) as f64 / r.faces as f64
     );
-    let (value, gradient, walls) = wall_jumps(&surface);
-    println!("  walls {walls}: value jump {value:.1e}, gradient jump {gradient:.1e}");
+    println!("  patches against 8:5: {}", counts(&surface));
+    let jumps = wall_jumps(&surface);
+    println!("  walls {}: value jump {:.1e}, gradient jump {:.1e}", jumps.walls, jumps.value, jumps.gradient);
     let [position, normal] = vertices(&surface);
     println!("  vertices: distance {position:.1e}, angle {normal:.1e}");
     let (rays, missed, steep) = rays(&surface);
@@ -110,47 +115,17 @@ fn measure(name: &str, mesh: &TriMesh) {
     seams(&surface);
 }
 
-/// Largest relative jumps of `F` and its gradient across walls shared by two cells, and the number of walls.
-fn wall_jumps(surface: &ApatchSurface) -> (f64, f64, usize) {
-    // A wall by its corners in one order, with their places in the cell.
-    let mut walls: Vec<([[u64; 3]; 3], Cell, [usize; 3])> = Vec::new();
-    for cell in surface.cells() {
-        let Some(v) = surface.cell_vertices(cell) else { continue };
-        for skip in 0..4 {
-            let mut corners = [1, 2, 3]
-                .map(|i| (skip + i) % 4)
-                .map(|i| ((v[i] + DVec3::ZERO).to_array().map(f64::to_bits), i));
-            corners.sort_unstable();
-            walls.push((corners.map(|c| c.0), cell, corners.map(|c| c.1)));
-        }
-    }
-    walls.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.cmp(&b.1)));
-    let (mut value, mut gradient, mut count) = (0.0_f64, 0.0_f64, 0);
-    for pair in walls.windows(2).filter(|p| p[0].0 == p[1].0) {
-        count += 1;
-        let Some(v) = surface.cell_vertices(pair[0].1) else { continue };
-        let c = pair[0].2.map(|i| v[i]);
-        let size = c[0].distance(c[1]).max(c[0].distance(c[2])).max(c[1].distance(c[2]));
-        let (mut scale, mut worst) = (0.0_f64, [0.0_f64; 2]);
-        for i in 0..=5 {
-            for j in 0..=5 - i {
-                let (x, y) = (f64::from(i) / 5.0, f64::from(j) / 5.0);
-                let at = |(_, cell, places): &([[u64; 3]; 3], Cell, [usize; 3])| {
-                    let mut barycentric = [0.0; 4];
-                    for (place, w) in places.iter().zip([1.0 - x - y, x, y]) {
-                        barycentric[*place] = w;
-                    }
-                    surface.value(Location { cell: *cell, barycentric })
-                };
-                let (Some(f), Some(g)) = (at(&pair[0]), at(&pair[1])) else { continue };
-                scale = scale.max(f.1.length());
-                worst = [worst[0].max((f.0 - g.0).abs()), worst[1].max(f.1.distance(g.1))];
-            }
-        }
-        value = value.max(worst[0] / (scale * size));
-        gradient = gradient.max(worst[1] / scale);
-    }
-    (value, gradient, count)
+/// Patches and pieces of `F`, and how many there would be with every edge divided, as in the scheme before (Bajaj, Chen, Xu 1995): the
+/// paper counts `2v + 2·3v` against `2v + 3v`, 8 to 5.
+fn counts(surface: &ApatchSurface) -> String {
+    let r = surface.report();
+    let faces = r.face_classes.positive + r.face_classes.negative + r.face_classes.nonconvex;
+    let edges = r.edge_classes.positive + r.edge_classes.negative + r.edge_classes.nonconvex;
+    let of = |faces: usize, edges: usize| {
+        let (before, now) = (faces + 2 * edges, faces + edges);
+        format!("{before} : {now} = 8 : {:.2}", 8.0 * now as f64 / before.max(1) as f64)
+    };
+    format!("patches {}, pieces {}", of(faces, edges), of(r.face_pieces, r.edge_pieces))
 }
 
 /// Largest distance and angle at the corners of faces, distances relative to the diagonal.
@@ -217,7 +192,7 @@ fn speed(surface: &ApatchSurface) -> f64 {
     let (mut count, mut sum) = (0usize, DVec3::ZERO);
     'all: loop {
         for f in 0..surface.face_classes().len() {
-            if surface.face_classes()[f] == FaceClass::Zero {
+            if surface.face_classes()[f] == Class::Zero {
                 continue;
             }
             for i in 1..8 {

@@ -126,10 +126,10 @@ pub(crate) fn certify_face(form: &FaceForm, side: &FaceSide, b: f64, limit: usiz
     let mut seen = 0;
     while let Some((piece, cell)) = open.pop() {
         seen += 1;
-        // Not `>=`: what is not a number is not proven.
-        if cells.lower(piece, &cell, b).required(1.0) < 0.0 {
+        if cells.lower(piece, &cell, b).is_content() {
             continue;
         }
+        // Not `>=`: what is not a number is not proven.
         if !(cells.middle(piece, &cell, b).required_sharp(1.0) < 0.0) {
             return Verdict::Violated;
         }
@@ -236,7 +236,7 @@ fn restrict<const N: usize>(mut c: [f64; N], lo: f64, hi: f64) -> [f64; N] {
 }
 
 /// Lower bounds of the coefficients on a box of rays.
-fn edge_lower(form: &EdgeForm, side: &EdgeSide, [xi, y]: [[f64; 2]; 2]) -> Shooting {
+fn edge_lower(form: &EdgeForm, side: &EdgeSide, [xi, y]: Box2) -> Shooting {
     let s = side.sign;
     let least = |c: &[f64]| c.iter().fold(f64::INFINITY, |m, c| m.min(s * c));
     let b0 = least(&restrict([0.0, form.e[0], form.e[1], 0.0], xi[0], xi[1]));
@@ -252,21 +252,24 @@ fn edge_lower(form: &EdgeForm, side: &EdgeSide, [xi, y]: [[f64; 2]; 2]) -> Shoot
     Shooting([b0, b1, b2, least(&restrict(side.b3, y[0], y[1]))])
 }
 
-/// Whether every ray of an edge has a simple minimal root on a side.
-pub(crate) fn certify_edge(form: &EdgeForm, side: &EdgeSide, limit: usize) -> Verdict {
-    let mut open: Vec<[[f64; 2]; 2]> = spans(form, side.sign).into_iter().map(|s| [s, [0.0, 1.0]]).collect();
+/// Parameters along and across an edge.
+pub(crate) type Box2 = [[f64; 2]; 2];
+
+/// Whether every ray of an edge has a simple minimal root on a side; where not, the cell whose middle has none.
+pub(crate) fn certify_edge(form: &EdgeForm, side: &EdgeSide, limit: usize) -> (Verdict, Option<Box2>) {
+    let mut open: Vec<Box2> = spans(form, side.sign).into_iter().map(|s| [s, [0.0, 1.0]]).collect();
     let mut seen = 0;
     while let Some(cell) = open.pop() {
         seen += 1;
-        if edge_lower(form, side, cell).required(1.0) < 0.0 {
+        if edge_lower(form, side, cell).is_content() {
             continue;
         }
         let [x, y] = cell.map(|[a, b]| 0.5 * (a + b));
         if !(form.shooting(side, x, y).required_sharp(1.0) < 0.0) {
-            return Verdict::Violated;
+            return (Verdict::Violated, Some(cell));
         }
         if seen >= limit {
-            return Verdict::Undecided;
+            return (Verdict::Undecided, None);
         }
         let [wide, high] = cell.map(|[a, b]| b - a);
         if wide > high {
@@ -275,43 +278,93 @@ pub(crate) fn certify_edge(form: &EdgeForm, side: &EdgeSide, limit: usize) -> Ve
             open.extend([[cell[0], [cell[1][0], y]], [cell[0], [y, cell[1][1]]]]);
         }
     }
-    Verdict::Proven
+    (Verdict::Proven, None)
 }
 
-/// The ratio in which the weights of `u'` and `u` are raised: 1, unless that would not help everywhere.
-pub(crate) fn ratio(side: &EdgeSide) -> f64 {
-    let least = |k: f64| {
-        let value = |y: f64| {
-            let [u, p] = side.betas(y);
-            (u + k * p) / (1.0 + k)
-        };
-        (0..=64).map(|i| value(f64::from(i) / 64.0)).fold(f64::INFINITY, f64::min)
-    };
-    // Below this, increments would be large beside what they achieve.
-    if least(1.0) > 0.05 {
-        return 1.0;
+/// An increment of the weights of the two faces beside an edge, times the sign of the side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Raise {
+    /// Of the weight of `u`.
+    pub(crate) by: f64,
+    /// Of the weight of `u'`, relative to that of `u`.
+    pub(crate) ratio: f64,
+}
+
+/// What a ray asks for: an increment `D` of its shooting polynomial by `D t²`, and how much of it the weights of `u` and `u'` give.
+#[derive(Clone, Copy)]
+struct Demand {
+    need: f64,
+    betas: [f64; 2],
+}
+
+impl Demand {
+    fn new(form: &EdgeForm, side: &EdgeSide, xi: f64, y: f64) -> Self {
+        Self { need: form.shooting(side, xi, y).required_sharp(1.0), betas: side.betas(y) }
     }
+
+    /// The increment of `u` that satisfies the ray if `u'` is raised by `ratio` times that; infinite if none does. Rays that are
+    /// content are taken to stay so.
+    fn asks(&self, ratio: f64) -> f64 {
+        let beta = self.betas[0] + ratio * self.betas[1];
+        if beta > 0.0 {
+            self.need / beta
+        } else if self.need < 0.0 {
+            f64::NEG_INFINITY
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// The largest increment of `u` in that ratio with which the ray stays content.
+    fn bears(&self, ratio: f64) -> f64 {
+        let beta = self.betas[0] + ratio * self.betas[1];
+        if beta < 0.0 && self.need < 0.0 { self.need / beta } else { f64::INFINITY }
+    }
+}
+
+/// The smallest increments of the weights of `u` and `u'` after which sampled rays of an edge are content, with a margin; `None` where
+/// they are already, or where no increments help (specification, sections 6 and 9.6). `near` is a cell known to hold a ray that is not.
+pub(crate) fn raise_edge(form: &EdgeForm, side: &EdgeSide, margin: f64, near: Option<Box2>) -> Option<Raise> {
+    let whole = spans(form, side.sign);
+    let spans: Vec<Box2> = whole.into_iter().map(|span| [span, [0.0, 1.0]]).chain(near).collect();
+    let grid = |[x, y]: Box2| {
+        let at = |[lo, hi]: [f64; 2], i: i32| lo + (hi - lo) * f64::from(i) / 12.0;
+        (0..=12).flat_map(move |i| (0..=12).map(move |j| (at(x, i), at(y, j))))
+    };
+    let rays: Vec<Demand> = spans
+        .iter()
+        .flat_map(|&cell| grid(cell))
+        .map(|(xi, y)| Demand::new(form, side, xi, y))
+        .filter(|d| d.need > f64::NEG_INFINITY)
+        .collect();
+    let total = |ratio: f64| {
+        let asks = rays.iter().fold(f64::NEG_INFINITY, |m, d| m.max(d.asks(ratio)));
+        let bears = rays.iter().fold(f64::INFINITY, |m, d| m.min(d.bears(ratio)));
+        if asks.max(0.0) < bears { (asks.max(0.0) + margin) * (1.0 + ratio) } else { f64::INFINITY }
+    };
+    // Equal increments wherever they do nearly as well as others.
+    let mut best = (1.0, 0.5 * total(1.0));
     let (mu, nu) = (side.mu[3], side.nu[3]);
     let balanced = (mu < 0.0 && nu < 0.0).then(|| mu / nu);
-    let powers = (-12..=12).map(|n| 2f64.powi(n));
-    let best = balanced
-        .into_iter()
-        .chain(powers)
-        .map(|k| (k, least(k)))
-        .fold((1.0, least(1.0)), |best, new| if new.1 > best.1 { new } else { best });
-    best.0
+    for ratio in balanced.into_iter().chain((-12..=12).map(|n| 2f64.powi(n))).chain([0.0]) {
+        let value = total(ratio);
+        if value < best.1 {
+            best = (ratio, value);
+        }
+    }
+    let ratio = best.0;
+    let need = sharpen(&spans, |xi, y| Demand::new(form, side, xi, y).asks(ratio));
+    let raise = Raise { by: need + margin, ratio };
+    // Not for a trifle: the margin need not be met to the last digit.
+    (need > -0.5 * margin && raise.by.is_finite() && (raise.by * ratio).is_finite()).then_some(raise)
 }
 
-/// The largest increment of the weight of `u` (and `ratio` times that of `u'`) that a sampled ray asks for, times the sign.
-pub(crate) fn required_edge(form: &EdgeForm, side: &EdgeSide, ratio: f64) -> f64 {
-    let at = |xi: f64, y: f64| {
-        let [u, p] = side.betas(y);
-        form.shooting(side, xi, y).required_sharp(u + ratio * p)
-    };
+/// The largest value found over cells of an edge by sampling finer and finer around the best.
+fn sharpen(cells: &[Box2], at: impl Fn(f64, f64) -> f64) -> f64 {
     let mut worst = f64::NEG_INFINITY;
-    for [lo, hi] in spans(form, side.sign) {
-        let mut centre = (0.5 * (lo + hi), 0.5);
-        let mut half = (0.5 * (hi - lo), 0.5);
+    for &[[lo, hi], [low, high]] in cells {
+        let mut centre = (0.5 * (lo + hi), 0.5 * (low + high));
+        let mut half = (0.5 * (hi - lo), 0.5 * (high - low));
         for round in 0..4 {
             let n = if round == 0 { 12 } else { 8 };
             let mut best = (f64::NEG_INFINITY, centre);
@@ -319,7 +372,7 @@ pub(crate) fn required_edge(form: &EdgeForm, side: &EdgeSide, ratio: f64) -> f64
                 for j in 0..=n {
                     let part = |k: i32| 2.0 * f64::from(k) / f64::from(n) - 1.0;
                     let x = (centre.0 + half.0 * part(i)).clamp(lo, hi);
-                    let y = (centre.1 + half.1 * part(j)).clamp(0.0, 1.0);
+                    let y = (centre.1 + half.1 * part(j)).clamp(low, high);
                     let value = at(x, y);
                     if value > best.0 {
                         best = (value, (x, y));

@@ -6,11 +6,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 use suture_mesh::{Topology, TriMesh};
 
-use crate::bounds::{Verdict, bound_face, certify_edge, certify_face, ratio, required_edge};
+use crate::bounds::{Raise, Verdict, bound_face, certify_edge, certify_face, raise_edge};
 use crate::coefficients::EDGE;
 use crate::edge::{EdgeForm, EdgeSide};
 use crate::face::{Base, FaceForm, FaceSide};
-use crate::hull::{EdgeClass, FaceClass, Hull, against, opposite_vertex};
+use crate::hull::{Class, Hull, against, opposite_vertex};
 use crate::report::{ApatchReport, ClassCounts};
 use crate::{ApatchError, ApatchOptions, ApatchSurface, ApexWeight, intersect, refine};
 
@@ -18,7 +18,10 @@ use crate::{ApatchError, ApatchOptions, ApatchSurface, ApexWeight, intersect, re
 const LEAST_HEIGHT: f64 = 1e-12;
 
 /// Rounds in which edges may raise the weights of their faces.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 16;
+
+/// How many times more cells an edge may take whose sampled rays are all content.
+const CLOSER: usize = 16;
 
 /// Builds the implicit surface through the vertices of a mesh with the given gradients there.
 ///
@@ -134,10 +137,10 @@ impl Build<'_> {
     fn face(&self, f: usize) -> Result<(Option<FaceForm>, [Weight; 2]), ApatchError> {
         let corners = &self.hull.corners[f];
         let class = self.hull.classes[f];
-        if class == FaceClass::Zero {
+        if class == Class::Zero {
             return Ok((None, [Weight::default(); 2]));
         }
-        let base = if class == FaceClass::Nonconvex { Base::split(corners) } else { Base::rational(corners) };
+        let base = if class == Class::Nonconvex { Base::split(corners) } else { Base::rational(corners) };
         let mut form = FaceForm { p: corners.p, base, sides: [None; 2] };
         let mut weights = [Weight::default(); 2];
         let opposite: Vec<(DVec3, DVec3)> = (0..3u32)
@@ -170,10 +173,18 @@ impl Build<'_> {
             if verdict != Verdict::Proven {
                 let bound = bound_face(&form, &side, 1e-2 * height, cells);
                 weight = wanted.max(bound.proven + margin);
+                if weight > wanted && self.options.weight == ApexWeight::Neighbours {
+                    // No quadric is near: just above its bound the surface would all but have a second sheet.
+                    weight = weight.max(sign * side.paper_weight(corners));
+                }
                 if !weight.is_finite() {
                     return Err(ApatchError::NotFinitePatch { face: f });
                 }
                 verdict = certify_face(&form, &side, sign * weight, cells);
+            }
+            if !side.rises() {
+                // Where the base changes its sign, the root leaves the face in a jump.
+                verdict = Verdict::Undecided;
             }
             side.set_weight(sign * weight);
             form.sides[s] = Some(side);
@@ -206,7 +217,7 @@ impl Build<'_> {
         };
         let Some(o) = self.topology.opposite(h) else { return edge };
         let (g, l) = (self.topology.face(o) as usize, opposite_vertex(o));
-        let sides = EdgeClass::of(edge.e).sides();
+        let sides = Class::of_edge(edge.e).sides();
         for s in 0..2 {
             let side = |f: usize| forms[f].as_ref().and_then(|f| f.sides[s].as_ref());
             if let (true, Some(f), Some(g)) = (sides[s], side(f), side(g)) {
@@ -311,18 +322,20 @@ impl Build<'_> {
     fn judge(&self, edge: &EdgeForm) -> [Option<Judged>; 2] {
         [0, 1].map(|s| {
             let side = edge.sides[s].as_ref()?;
-            let verdict = certify_edge(edge, side, self.options.cells);
-            if verdict == Verdict::Proven {
-                return Some((verdict, None));
+            let (mut verdict, near) = certify_edge(edge, side, self.options.cells);
+            let mut raise = None;
+            if verdict != Verdict::Proven {
+                let margin = self.options.margin * largest(&side.b1[0]).max(largest(&side.b1[1]));
+                raise = raise_edge(edge, side, margin, near);
+                if raise.is_none() && verdict == Verdict::Undecided {
+                    // Samples are content: it is worth looking closer.
+                    (verdict, _) = certify_edge(edge, side, CLOSER * self.options.cells);
+                }
             }
-            let ratio = ratio(side);
-            let need = required_edge(edge, side, ratio);
-            let height = largest(&side.b1[0]).max(largest(&side.b1[1]));
-            let margin = self.options.margin * height;
-            // Nothing to be raised where samples are content, or where no finite raise helps.
-            let raise =
-                (need + margin > 0.0 && need.is_finite()).then_some(Raise { by: need + margin, ratio });
-            Some((verdict, raise.filter(|r| r.by.is_finite())))
+            if verdict == Verdict::Proven && !side.rises() {
+                verdict = Verdict::Undecided;
+            }
+            Some((verdict, raise))
         })
     }
 
@@ -336,25 +349,25 @@ impl Build<'_> {
         weighted: &[bool],
         ((input_vertices, input_faces), refinements, edge_rounds): ((usize, usize), usize, usize),
     ) -> ApatchReport {
-        let count = |class: FaceClass| self.hull.classes.iter().filter(|&&c| c == class).count();
+        let count = |class: Class| self.hull.classes.iter().filter(|&&c| c == class).count();
         let faces = ClassCounts {
-            positive: count(FaceClass::Positive),
-            negative: count(FaceClass::Negative),
-            nonconvex: count(FaceClass::Nonconvex),
-            zero: count(FaceClass::Zero),
+            positive: count(Class::Positive),
+            negative: count(Class::Negative),
+            nonconvex: count(Class::Nonconvex),
+            zero: count(Class::Zero),
         };
-        let inner: Vec<EdgeClass> = edges
+        let inner: Vec<Class> = edges
             .iter()
             .zip(halves)
             .filter(|(_, h)| self.topology.opposite(**h).is_some())
-            .map(|(e, _)| EdgeClass::of(e.e))
+            .map(|(e, _)| Class::of_edge(e.e))
             .collect();
-        let of = |class: EdgeClass| inner.iter().filter(|&&c| c == class).count();
+        let of = |class: Class| inner.iter().filter(|&&c| c == class).count();
         let edge_classes = ClassCounts {
-            positive: of(EdgeClass::Positive),
-            negative: of(EdgeClass::Negative),
-            nonconvex: of(EdgeClass::Nonconvex),
-            zero: of(EdgeClass::Zero),
+            positive: of(Class::Positive),
+            negative: of(Class::Negative),
+            nonconvex: of(Class::Nonconvex),
+            zero: of(Class::Zero),
         };
         let unproven = |v: &Option<Verdict>| v.is_some_and(|v| v != Verdict::Proven);
         let violated = |v: &Option<Verdict>| *v == Some(Verdict::Violated);
@@ -375,7 +388,7 @@ impl Build<'_> {
             edge_classes,
             face_pieces: faces.positive + faces.negative + 6 * faces.nonconvex,
             edge_pieces: edge_classes.positive + edge_classes.negative + 2 * edge_classes.nonconvex,
-            turned_faces: self.hull.apexes.iter().filter(|a| a.direction != 0).count(),
+            turned_faces: self.hull.apexes.iter().filter(|a| a.turned).count(),
             steep_faces: list(&|f| self.hull.apexes[f].steep, forms.len()),
             bad_edges: self.hull.bad_edges.iter().map(|&h| ends(h)).collect(),
             raised_faces: weights.iter().filter(|w| w[0].raised || w[1].raised).count(),
@@ -394,13 +407,6 @@ impl Build<'_> {
             }),
         }
     }
-}
-
-/// An increment of the weights of two faces.
-#[derive(Clone, Copy, Debug)]
-struct Raise {
-    by: f64,
-    ratio: f64,
 }
 
 fn largest(values: &[f64; 3]) -> f64 {

@@ -72,6 +72,14 @@ impl EdgeSide {
         }
     }
 
+    /// Whether `B₁` is of the sign of the side all over the tetrahedron.
+    pub(crate) fn rises(&self) -> bool {
+        let all = self.b1.as_flattened();
+        // Rounding may take something from an `m` that was made 0.
+        let slack = 1e-12 * all.iter().fold(0.0_f64, |s, b| s.max(b.abs()));
+        all.iter().all(|b| self.sign * b >= -slack)
+    }
+
     /// How the shooting polynomials change when the weights of `u` and `u'` do: by `t²` times these.
     pub(crate) fn betas(&self, y: f64) -> [f64; 2] {
         let z = 1.0 - y;

@@ -181,6 +181,16 @@ impl FaceSide {
         self.r = self.q.map(|q| (b + 2.0 * q) / 3.0);
     }
 
+    /// Whether layer 1 is of the sign of the side all over the face: the surface leaves a zero of the base at a slope.
+    pub(crate) fn rises(&self) -> bool {
+        self.h.iter().all(|h| self.sign * h > 0.0) && self.m.iter().all(|m| self.sign * m >= -self.slack())
+    }
+
+    /// What rounding may take from an `m_k` that was made 0.
+    fn slack(&self) -> f64 {
+        1e-12 * self.h.iter().fold(0.0_f64, |s, h| s.max(h.abs()))
+    }
+
     /// The paper's default weight.
     pub(crate) fn paper_weight(&self, corners: &Corners) -> f64 {
         paper_default(&corners.e, &self.h, &self.m, inner(corners))

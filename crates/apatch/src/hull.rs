@@ -5,39 +5,28 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use suture_mesh::{Topology, TriMesh};
 
-use crate::coefficients::{Corners, EDGE, barycentric, barycentric_gradients};
+use crate::apexes::{Apexes, Site, normals};
+use crate::coefficients::{Corners, EDGE};
+use crate::directions::Directions;
 use crate::{ApatchError, ApatchOptions};
 
-/// How a face bends, seen from the positive side of the mesh.
+/// How a face or an edge bends, seen from the positive side of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum FaceClass {
-    /// The surface lies on the positive side: one rational piece.
+pub enum Class {
+    /// The surface lies on the positive side: one rational piece over a face, one tetrahedron along an edge.
     Positive,
-    /// The surface lies on the negative side: one rational piece.
+    /// The surface lies on the negative side: one rational piece over a face, one tetrahedron along an edge.
     Negative,
-    /// The surface may cross the face: three cubic pieces on each side.
+    /// The surface may cross the face (three cubic pieces on each side), or crosses the edge (one tetrahedron on each side).
     Nonconvex,
-    /// The surface is the face itself.
+    /// The surface is the face itself, or contains the edge.
     Zero,
 }
 
-/// How an edge bends, seen from the positive side of the mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EdgeClass {
-    /// The surface lies on the positive side.
-    Positive,
-    /// The surface lies on the negative side.
-    Negative,
-    /// The surface crosses the edge once.
-    Nonconvex,
-    /// The edge lies on the surface.
-    Zero,
-}
-
-impl EdgeClass {
-    pub(crate) fn of(e: [f64; 2]) -> Self {
+impl Class {
+    /// The class of an edge with coefficients `e_ab`, `e_ba`.
+    pub(crate) fn of_edge(e: [f64; 2]) -> Self {
         if e == [0.0; 2] {
             Self::Zero
         } else if e[0] <= 0.0 && e[1] <= 0.0 {
@@ -46,6 +35,25 @@ impl EdgeClass {
             Self::Negative
         } else {
             Self::Nonconvex
+        }
+    }
+
+    /// The class of a face.
+    pub(crate) fn of_face(corners: &Corners) -> Self {
+        let edges = EDGE.map(|[a, b]| Self::of_edge([corners.e[a][b], corners.e[b][a]]));
+        let any = |class: Self| edges.contains(&class);
+        let w = corners.w();
+        if edges == [Self::Zero; 3] {
+            Self::Zero
+        } else if any(Self::Nonconvex) || (any(Self::Positive) && any(Self::Negative)) {
+            Self::Nonconvex
+        } else if any(Self::Positive) {
+            // With a positive w the rational piece might cross the face (erratum 12).
+            if w.iter().any(|&w| w > 0.0) { Self::Nonconvex } else { Self::Positive }
+        } else if w.iter().any(|&w| w < 0.0) {
+            Self::Nonconvex
+        } else {
+            Self::Negative
         }
     }
 
@@ -60,56 +68,16 @@ impl EdgeClass {
     }
 }
 
-impl FaceClass {
-    pub(crate) fn of(corners: &Corners) -> Self {
-        let edges = EDGE.map(|[a, b]| EdgeClass::of([corners.e[a][b], corners.e[b][a]]));
-        let any = |class: EdgeClass| edges.contains(&class);
-        let w = corners.w();
-        if edges == [EdgeClass::Zero; 3] {
-            Self::Zero
-        } else if any(EdgeClass::Nonconvex) || (any(EdgeClass::Positive) && any(EdgeClass::Negative)) {
-            Self::Nonconvex
-        } else if any(EdgeClass::Positive) {
-            // With a positive w the rational piece might cross the face (erratum 12).
-            if w.iter().any(|&w| w > 0.0) { Self::Nonconvex } else { Self::Positive }
-        } else if w.iter().any(|&w| w < 0.0) {
-            Self::Nonconvex
-        } else {
-            Self::Negative
-        }
-    }
-
-    pub(crate) fn sides(self) -> [bool; 2] {
-        match self {
-            Self::Positive => [true, false],
-            Self::Negative => [false, true],
-            Self::Nonconvex => [true, true],
-            Self::Zero => [false, false],
-        }
-    }
-}
-
 /// Corners, classes and apexes of all faces.
 #[derive(Clone, Debug)]
 pub(crate) struct Hull {
     pub(crate) corners: Vec<Corners>,
-    pub(crate) classes: Vec<FaceClass>,
+    pub(crate) classes: Vec<Class>,
     pub(crate) apexes: Vec<Apexes>,
     /// Half-edges (the lower of each pair) whose tetrahedra intersect those of the faces beside them.
     pub(crate) bad_edges: Vec<u32>,
     /// Faces without any direction, with the vertex whose normal stands worst.
     pub(crate) hopeless: Vec<(usize, usize)>,
-}
-
-/// The apexes of one face.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Apexes {
-    /// `u` and `v`.
-    pub(crate) points: [Option<DVec3>; 2],
-    /// Which candidate direction was taken: 0 is the normal of the face.
-    pub(crate) direction: u8,
-    /// Whether even the best direction is steeper than wanted.
-    pub(crate) steep: bool,
 }
 
 impl Hull {
@@ -120,55 +88,33 @@ impl Hull {
         topology: &Topology,
         options: &ApatchOptions,
     ) -> Self {
-        let corners: Vec<Corners> = (0..mesh.faces.len())
+        let found: Vec<(Corners, Class, Result<Apexes, usize>)> = (0..mesh.faces.len())
             .into_par_iter()
             .map(|f| {
-                Corners::new(mesh.corners(f), mesh.faces[f].map(|v| gradients[v as usize]), options.snap)
+                let gradients = mesh.faces[f].map(|v| gradients[v as usize]);
+                let corners = Corners::new(mesh.corners(f), gradients, options.snap);
+                let class = Class::of_face(&corners);
+                let apexes = match class {
+                    Class::Zero => Ok(Apexes::NONE),
+                    _ => Site::new(&corners, class, options).first(),
+                };
+                (corners, class, apexes)
             })
             .collect();
-        let classes: Vec<FaceClass> = corners.par_iter().map(FaceClass::of).collect();
-        let mut choice = vec![0u8; corners.len()];
-        let place = |choice: &[u8]| -> Vec<Result<Apexes, usize>> {
-            (0..corners.len())
-                .into_par_iter()
-                .map(|f| apexes(&corners[f], classes[f], choice[f], options))
-                .collect()
-        };
-        let settle = |found: Vec<Result<Apexes, usize>>| {
-            let none = Apexes { points: [None; 2], direction: 0, steep: true };
-            let hopeless: Vec<(usize, usize)> =
-                found.iter().enumerate().filter_map(|(f, a)| a.as_ref().err().map(|&k| (f, k))).collect();
-            (found.into_iter().map(|a| a.unwrap_or(none)).collect::<Vec<_>>(), hopeless)
-        };
-        let (apexes, hopeless) = settle(place(&choice));
-        let bad_edges = bad_edges(&corners, &apexes, topology);
-        let mut best =
-            Self { corners: corners.clone(), classes: classes.clone(), apexes, bad_edges, hopeless };
-        let mut bad = best.bad_edges.clone();
-        for round in 1..=2u8 {
-            if bad.is_empty() {
-                break;
-            }
-            for &h in &bad {
-                for face in
-                    [Some(h), topology.opposite(h)].into_iter().flatten().map(|h| topology.face(h) as usize)
-                {
-                    choice[face] = choice[face].max(round);
-                }
-            }
-            let (apexes, hopeless) = settle(place(&choice));
-            bad = self::bad_edges(&corners, &apexes, topology);
-            if bad.len() < best.bad_edges.len() {
-                (best.apexes, best.hopeless, best.bad_edges) = (apexes, hopeless, bad.clone());
-            }
-        }
-        best
+        let hopeless = found.iter().enumerate().filter_map(|(f, a)| a.2.as_ref().err().map(|&k| (f, k)));
+        let hopeless: Vec<(usize, usize)> = hopeless.collect();
+        let none = Apexes { steep: true, ..Apexes::NONE };
+        let mut apexes: Vec<Apexes> = found.iter().map(|a| *a.2.as_ref().unwrap_or(&none)).collect();
+        let (corners, classes): (Vec<_>, Vec<_>) = found.into_iter().map(|a| (a.0, a.1)).unzip();
+        let directions = Directions { corners: &corners, classes: &classes, topology, options };
+        let bad_edges = directions.improve(&mut apexes);
+        Self { corners, classes, apexes, bad_edges, hopeless }
     }
 
     /// Whether the surface contains the edge of a half-edge.
     pub(crate) fn is_straight(&self, h: u32) -> bool {
         let (f, [i, j]) = ((h / 3) as usize, EDGE[opposite_vertex(h)]);
-        EdgeClass::of([self.corners[f].e[i][j], self.corners[f].e[j][i]]) == EdgeClass::Zero
+        Class::of_edge([self.corners[f].e[i][j], self.corners[f].e[j][i]]) == Class::Zero
     }
 
     /// How many places are left where tetrahedra intersect or are too steep.
@@ -190,126 +136,6 @@ impl Hull {
         faces.dedup();
         faces
     }
-}
-
-/// Cosine of the largest angle (about 107 degrees) between a normal and a face for which a tetrahedron is built by all means.
-const FARTHEST: f64 = -0.3;
-
-/// The apexes of a face; the corner whose normal stands worst where no direction rises above all tangent planes.
-fn apexes(corners: &Corners, class: FaceClass, choice: u8, options: &ApatchOptions) -> Result<Apexes, usize> {
-    let none = Apexes { points: [None; 2], direction: 0, steep: false };
-    if class == FaceClass::Zero {
-        return Ok(none);
-    }
-    let ell = (0.5 * (corners.p[1] - corners.p[0]).cross(corners.p[2] - corners.p[0]).length()).sqrt();
-    let (normal, units) = normals(corners);
-    let candidates =
-        [normal, (units[0] + units[1] + units[2]).normalize_or_zero(), cap_centre(normal, units)];
-    let c = corners.centroid();
-    let mut best: Option<(u8, f64)> = None;
-    // Normals far on the other side are a mistake of the input, not a steep place.
-    let facing = units.iter().all(|g| g.dot(normal) > FARTHEST);
-    let order: [u8; 3] = if choice == 0 {
-        [0, 1, 2]
-    } else if choice == 1 {
-        [1, 2, 0]
-    } else {
-        [2, 1, 0]
-    };
-    for i in order {
-        let d = candidates[i as usize];
-        let lift = units.iter().fold(d.dot(normal), |m, g| m.min(d.dot(*g)));
-        let rises = slopes(corners, c, d * ell).iter().all(|&s| s > 0.0);
-        if lift > options.steepness && rises {
-            best = Some((i, f64::INFINITY));
-            break;
-        }
-        // Steep ones where nothing else is left; those under which an m_k does not rise last of all.
-        let rank = if rises { lift } else { lift - 1.0 };
-        if lift > 1e-3 && (rises || facing) && best.is_none_or(|b| rank > b.1) {
-            best = Some((i, rank));
-        }
-    }
-    let Some((direction, lift)) = best else {
-        let worst = (0..3).fold(0, |w, k| if units[k].dot(normal) < units[w].dot(normal) { k } else { w });
-        return Err(worst);
-    };
-    let d = candidates[direction as usize];
-    let eps = options.clearance * ell;
-    let (mut up, mut down) = (eps, -eps);
-    for l in 0..3 {
-        let t = (corners.p[l] - c).dot(corners.g[l]) / d.dot(corners.g[l]);
-        (up, down) = (up.max(t + eps), down.min(t - eps));
-    }
-    let at = corners.m(c, &corners.h(c));
-    for (k, slope) in slopes(corners, c, d * ell).into_iter().enumerate() {
-        if slope > 0.0 {
-            let t = -at[k] * ell / slope;
-            (up, down) = (up.max(t), down.min(t));
-        }
-    }
-    let [above, below] = class.sides();
-    let points = [above.then(|| c + d * up), below.then(|| c + d * down)];
-    Ok(Apexes { points, direction, steep: lift.is_finite() })
-}
-
-/// Increase of every `m_k` from `c` to `c + d`.
-fn slopes(corners: &Corners, c: DVec3, d: DVec3) -> [f64; 3] {
-    let (from, to) = (corners.m(c, &corners.h(c)), corners.m(c + d, &corners.h(c + d)));
-    [0, 1, 2].map(|k| to[k] - from[k])
-}
-
-/// Unit normals of a face and of its corners.
-pub(crate) fn normals(corners: &Corners) -> (DVec3, [DVec3; 3]) {
-    let [a, b, c] = corners.p;
-    ((b - a).cross(c - a).normalize_or_zero(), corners.g.map(DVec3::normalize_or_zero))
-}
-
-/// Centre of the smallest cap of directions around the face normal and the vertex normals: it rises above all of them if any does.
-fn cap_centre(normal: DVec3, units: [DVec3; 3]) -> DVec3 {
-    let all = [normal, units[0], units[1], units[2]];
-    let mut best = (f64::NEG_INFINITY, normal);
-    let mut offer = |d: DVec3| {
-        let least = all.iter().fold(f64::INFINITY, |m, v| m.min(v.dot(d)));
-        if least > best.0 {
-            best = (least, d);
-        }
-    };
-    for i in 0..4 {
-        for j in 0..i {
-            offer((all[i] + all[j]).normalize_or_zero());
-            for k in 0..j {
-                let d = (all[i] - all[j]).cross(all[j] - all[k]).normalize_or_zero();
-                offer(d);
-                offer(-d);
-            }
-        }
-    }
-    best.1
-}
-
-/// Half-edges (the lower of each pair) whose edge tetrahedra are not valid.
-fn bad_edges(corners: &[Corners], apexes: &[Apexes], topology: &Topology) -> Vec<u32> {
-    (0..topology.half_edge_count() as u32)
-        .into_par_iter()
-        .filter(|&h| {
-            let Some(o) = topology.opposite(h).filter(|&o| h < o) else { return false };
-            let ([f, g], [k, l]) = ([h, o].map(|h| topology.face(h) as usize), [h, o].map(opposite_vertex));
-            let [i, j] = EDGE[k];
-            let sides = EdgeClass::of([corners[f].e[i][j], corners[f].e[j][i]]).sides();
-            (0..2).filter(|&s| sides[s]).any(|s| {
-                let (Some(u), Some(v)) = (apexes[f].points[s], apexes[g].points[s]) else { return false };
-                // Written so that what is not a number is bad.
-                !(coordinate(&corners[f], u, k, v) < 0.0 && coordinate(&corners[g], v, l, u) < 0.0)
-            })
-        })
-        .collect()
-}
-
-/// Coordinate of `x` that belongs to corner `k` of the tetrahedron over a face.
-fn coordinate(corners: &Corners, apex: DVec3, k: usize, x: DVec3) -> f64 {
-    let [a, b, c] = corners.p;
-    barycentric(x, apex, &barycentric_gradients(&[a, b, c, apex]))[k]
 }
 
 /// The corner of its face opposite a half-edge.

@@ -4,8 +4,8 @@
 //! * [`ApatchSurface::face_point`], [`ApatchSurface::edge_point`]: points with gradients. [`ApatchSurface::tessellate`]: a watertight
 //!   mesh at a fixed resolution. [`ApatchSurface::surface`]: parametric patches with exact second derivatives, and their seams.
 //! * [`Locator`], [`ApatchSurface::value`], [`ApatchSurface::inside`]: the implicit function.
-//! * [`ApatchSurface::face_bound`], [`ApatchSurface::set_weight`]: the one free number per face and side. [`Shading`]: isophotes and
-//!   reflection lines.
+//! * [`ApatchSurface::face_bound`], [`ApatchSurface::set_weight`]: the one free number per face and side; [`WeightRays`]: what it does to the
+//!   surface, for interactive change. [`Shading`]: isophotes and reflection lines.
 //!
 //! ```
 //! use suture_apatch::{ApatchOptions, apatch};
@@ -30,10 +30,12 @@
 
 #![forbid(unsafe_code)]
 
+mod apexes;
 mod bounds;
 mod build;
 mod coefficients;
 mod cubic;
+mod directions;
 mod edge;
 mod error;
 mod face;
@@ -47,19 +49,21 @@ mod report;
 mod shooting;
 mod surface;
 mod tessellate;
+mod weights;
 
 pub use bounds::FaceBound;
 pub use build::apatch;
 pub use error::ApatchError;
 pub use face::SurfacePoint;
-pub use hull::{EdgeClass, FaceClass};
+pub use hull::Class;
 pub use options::{ApatchOptions, ApexWeight};
-pub use patches::{EdgePatch, FacePatch, PlanarPatch, RECORDS, load};
+pub use patches::{EdgePatch, FacePatch, PlanarPatch, RECORDS, load, tetrahedra};
 pub use query::{Cell, Location, Locator};
 pub use report::{ApatchReport, ClassCounts, Intersections};
 pub use shooting::{Root, Shooting};
 pub use surface::{ApatchSurface, Side};
 pub use tessellate::{ApatchTessellation, Shading};
+pub use weights::WeightRays;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -443,6 +443,27 @@ pub fn load(record: &Record, _: &SplinePool) -> Result<Box<dyn Patch>, RecordErr
     }
 }
 
+/// The tetrahedra in which a recorded patch lives: one or two of a face, one of a lune, none of a plane face. Vertices in the order of
+/// [`Cell`](crate::Cell).
+///
+/// # Errors
+/// [`RecordError::UnknownKind`] for records of other methods, [`RecordError::Malformed`].
+pub fn tetrahedra(record: &Record) -> Result<Vec<[DVec3; 4]>, RecordError> {
+    match record.kind.as_str() {
+        FACE => {
+            let FaceForm { p: [a, b, c], sides, .. } = parse::<FaceData>(record)?.form;
+            Ok(sides.iter().flatten().map(|side| [a, b, c, side.apex]).collect())
+        }
+        EDGE => {
+            let EdgeData { form, side, .. } = parse(record)?;
+            let one = form.sides.get(side).and_then(Option::as_ref);
+            Ok(one.map(|s| [s.apex[0], form.p[0], form.p[1], s.apex[1]]).into_iter().collect())
+        }
+        PLANAR => Ok(Vec::new()),
+        other => Err(RecordError::UnknownKind { kind: other.into() }),
+    }
+}
+
 fn parse<T: DeserializeOwned>(record: &Record) -> Result<T, RecordError> {
     T::deserialize(&record.data)
         .map_err(|e| RecordError::Malformed { kind: record.kind.clone(), reason: e.to_string() })

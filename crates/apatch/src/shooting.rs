@@ -137,6 +137,14 @@ impl Shooting {
         }
     }
 
+    /// Whether [`required`](Self::required) is negative: the root is there without any increment. Cheaper, as the coefficients mostly tell.
+    #[inline]
+    pub fn is_content(&self) -> bool {
+        let [b0, _, b2, b3] = self.0;
+        // One change of sign, whatever B₁ is: one root.
+        b0 >= 0.0 || (b2 > 0.0 && b3 > 0.0) || self.required(1.0) < 0.0
+    }
+
     /// The same for one ray, where the sharp value is known: `−P(t)/(β t²)` at its first minimum.
     pub fn required_sharp(&self, beta: f64) -> f64 {
         if self.0[0] >= 0.0 {
@@ -263,6 +271,7 @@ mod tests {
             let low = Shooting([0, 1, 2, 3].map(|i| b[i] - less[i]));
             prop_assert!(low.required(1.0) >= Shooting(b).required(1.0) - 1e-9);
             prop_assert!(Shooting(b).required(1.0) >= Shooting(b).required_sharp(1.0) - 1e-9);
+            prop_assert!(!low.is_content() || low.required_sharp(1.0) < 1e-9);
         }
     }
 

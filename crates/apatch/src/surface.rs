@@ -10,7 +10,7 @@ use suture_surface::{Continuity, EdgeRef, Patch, PatchId, Seam, Surface};
 use crate::bounds::{bound_face, spans};
 use crate::edge::EdgeForm;
 use crate::face::{FaceForm, SurfacePoint};
-use crate::hull::{EdgeClass, FaceClass, opposite_vertex};
+use crate::hull::Class;
 use crate::patches::{EdgePatch, FacePatch, PlanarPatch};
 use crate::{ApatchError, ApatchReport, FaceBound};
 
@@ -42,7 +42,7 @@ impl Side {
 pub struct ApatchSurface {
     pub(crate) mesh: TriMesh,
     pub(crate) topology: Topology,
-    pub(crate) classes: Vec<FaceClass>,
+    pub(crate) classes: Vec<Class>,
     pub(crate) parents: Vec<u32>,
     pub(crate) faces: Vec<Option<Arc<FaceForm>>>,
     pub(crate) edges: Vec<Arc<EdgeForm>>,
@@ -70,7 +70,7 @@ impl ApatchSurface {
     }
 
     /// Class of every face.
-    pub fn face_classes(&self) -> &[FaceClass] {
+    pub fn face_classes(&self) -> &[Class] {
         &self.classes
     }
 
@@ -86,8 +86,8 @@ impl ApatchSurface {
     }
 
     /// The class of an edge.
-    pub fn edge_class(&self, edge: usize) -> Option<EdgeClass> {
-        Some(EdgeClass::of(self.edges.get(edge)?.e))
+    pub fn edge_class(&self, edge: usize) -> Option<Class> {
+        Some(Class::of_edge(self.edges.get(edge)?.e))
     }
 
     /// The surface over a point of a face, by its barycentric coordinates (of sum 1); `None` if there is no such face.
@@ -123,37 +123,6 @@ impl ApatchSurface {
         let side = form.sides[side.index()].as_ref()?;
         let height = side.h.iter().fold(0.0_f64, |m, h| m.max(h.abs()));
         Some(bound_face(form, side, gap * height, cells))
-    }
-
-    /// The same surface with other apex weights on one face (times the sign of the side), and the edges beside it adapted. Bounds are not
-    /// enforced: compare with [`face_bound`](Self::face_bound).
-    ///
-    /// # Errors
-    /// [`ApatchError::NoSuch`], [`ApatchError::Weight`].
-    pub fn set_weight(&mut self, face: usize, side: Side, weight: f64) -> Result<(), ApatchError> {
-        if !weight.is_finite() {
-            return Err(ApatchError::Weight { face, value: weight });
-        }
-        let s = side.index();
-        let count = self.faces.len();
-        let missing = ApatchError::NoSuch { what: "face", index: face, count };
-        let Some(Some(form)) = self.faces.get_mut(face) else { return Err(missing) };
-        let Some(side) = Arc::make_mut(form).sides[s].as_mut() else { return Err(missing) };
-        side.set_weight(side.sign * weight);
-        for k in 0..3 {
-            let edge = self.of_half[3 * face + k] as usize;
-            let h = self.halves[edge];
-            let Some(o) = self.topology.opposite(h) else { continue };
-            let faces = [h, o].map(|h| self.faces[self.topology.face(h) as usize].clone());
-            let [Some(f), Some(g)] = &faces else { continue };
-            let form = Arc::make_mut(&mut self.edges[edge]);
-            if let (Some(f), Some(g), Some(_)) = (&f.sides[s], &g.sides[s], &form.sides[s]) {
-                let new =
-                    crate::edge::EdgeSide::new(form.p, (f, opposite_vertex(h)), (g, opposite_vertex(o)));
-                form.sides[s] = Some(new);
-            }
-        }
-        Ok(())
     }
 
     /// The parameter of each half-edge at which the surface crosses its edge.
@@ -232,9 +201,9 @@ impl ApatchSurface {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::coefficients::{EDGE, alpha};
     use crate::edge::EdgeSide;
+    use crate::hull::opposite_vertex;
     use crate::{ApatchOptions, apatch};
     use suture_mesh::shapes;
 

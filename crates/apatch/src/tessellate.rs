@@ -8,7 +8,7 @@ use suture_mesh::TriMesh;
 use suture_surface::PatchId;
 
 use crate::face::SurfacePoint;
-use crate::hull::EdgeClass;
+use crate::hull::Class;
 use crate::{ApatchError, ApatchSurface};
 
 /// A triangle mesh of the surface that knows where its vertices and triangles come from.
@@ -174,7 +174,7 @@ impl ApatchSurface {
                 };
                 let left = wall(h, false);
                 let right = match self.topology.opposite(h) {
-                    Some(o) if EdgeClass::of(self.edges[e].e) != EdgeClass::Zero => wall(o, true),
+                    Some(o) if Class::of_edge(self.edges[e].e) != Class::Zero => wall(o, true),
                     _ => Vec::new(),
                 };
                 (xi, at, [left, right])

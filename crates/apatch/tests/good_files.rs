@@ -10,7 +10,7 @@ use suture_mesh::{Topology, check, io};
 #[test]
 fn good_meshes_become_c1_surfaces() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/good/");
-    for name in ["eight.off", "nefertiti_coarse.off", "three_peaks.off", "sphere.obj"] {
+    for name in ["eight.off", "nefertiti_coarse.off", "three_peaks.off", "sphere.obj", "elephant.off"] {
         let path = format!("{folder}{name}");
         if !std::path::Path::new(&path).exists() {
             println!("skipped: {name} is not there");

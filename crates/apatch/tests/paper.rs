@@ -4,7 +4,7 @@ mod common;
 
 use common::{figure, wall_jumps};
 use glam::DVec3;
-use suture_apatch::{ApatchOptions, ApexWeight, FaceClass, Side, apatch};
+use suture_apatch::{ApatchOptions, ApexWeight, Class, Side, apatch};
 
 fn paper() -> ApatchOptions {
     ApatchOptions { weight: ApexWeight::Paper, refinements: 0, ..ApatchOptions::default() }
@@ -20,7 +20,7 @@ fn near(got: DVec3, want: [f64; 3]) {
 fn figure_6_has_the_points_of_the_table() {
     let (mesh, normals) = figure(6);
     let s = apatch(&mesh, &normals, &paper()).unwrap();
-    assert_eq!(s.face_classes(), [FaceClass::Positive; 2]);
+    assert_eq!(s.face_classes(), [Class::Positive; 2]);
     let (apex, weight) = s.apex(0, Side::Positive).unwrap();
     near(apex, [0.0, 2.41666666666667, 4.0]);
     assert!((weight - 3.30555555555556).abs() < 1e-11);

@@ -137,3 +137,22 @@ fn figure_10_has_a_plane_face() {
     assert_eq!(kinds, [PatchKind::Face, PatchKind::Planar]);
     assert_eq!(surface.seams().len(), 1);
 }
+
+/// What a saved surface knows of its hull is the hull.
+#[test]
+fn records_know_their_tetrahedra() {
+    let (mesh, normals) = figure(9);
+    let s = apatch(&mesh, &normals, &ApatchOptions::default()).unwrap();
+    let mut pool = suture_surface::SplinePool::default();
+    let surface = s.surface().unwrap();
+    let mut got: Vec<[DVec3; 4]> = surface
+        .patches()
+        .iter()
+        .flat_map(|p| suture_apatch::tetrahedra(&p.record(&mut pool)).unwrap())
+        .collect();
+    let mut want: Vec<[DVec3; 4]> = s.cells().into_iter().filter_map(|cell| s.cell_vertices(cell)).collect();
+    let key = |v: &[DVec3; 4]| v.map(|p| p.to_array().map(f64::to_bits));
+    got.sort_by_key(key);
+    want.sort_by_key(key);
+    assert_eq!(got, want);
+}

@@ -1,4 +1,4 @@
-//! Meshes and measures that several tests share.
+//! Meshes and measures that tests and examples share.
 #![allow(dead_code)]
 
 use glam::DVec3;
