@@ -1,7 +1,7 @@
 //! The measurements of bubble surfaces: jumps across seams over the built-in shapes and the meshes named on the command line,
 //! convergence on the sphere, invariance, speed.
 //!
-//! `measure seams|jets|sphere|invariance|speed … FILES` prints these tables alone, and of the files alone.
+//! `measure seams|jets|creases|splines|sphere|invariance|speed … FILES` prints these tables alone, and of the files alone.
 //!
 //! `cargo run --release -p suture-bubble --example measure -- ../shared/data/good/eight.off …`
 
@@ -10,9 +10,12 @@ mod common;
 
 use std::{error::Error, path::Path, time::Instant};
 
-use common::{jet_jumps, jumps, mean_curvature, parameters, tetrahedron, torus, with_normals};
+use common::{jet_jumps, jumps, mean_curvature, parameters, patch_jumps, tetrahedron, torus, with_normals};
 use glam::{DMat3, DVec2, DVec3};
-use suture_bubble::{BubbleOptions, Face, Fit, Implicit, PolyMesh, bubble, bubble_with};
+use suture_bubble::{
+    BubbleOptions, Face, Fit, Implicit, PolyMesh, bubble, bubble_creased, bubble_with, sharp_edges,
+    spline::{Intervals, SplineOptions, spline_surface},
+};
 use suture_mesh::{
     Topology, TriMesh, io,
     normals::{EstimateNormals, LoopLimit},
@@ -21,7 +24,7 @@ use suture_mesh::{
 use suture_surface::Patch;
 
 /// The tables, by the words that ask for one alone.
-const TABLES: [&str; 5] = ["seams", "jets", "sphere", "invariance", "speed"];
+const TABLES: [&str; 7] = ["seams", "jets", "creases", "splines", "sphere", "invariance", "speed"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (words, files): (Vec<String>, Vec<String>) =
@@ -61,6 +64,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
     }
+    if wanted("creases") {
+        creases(&meshes)?;
+    }
+    if wanted("splines") {
+        splines()?;
+    }
     if wanted("sphere") {
         spheres()?;
     }
@@ -88,6 +97,68 @@ fn seams(meshes: &[(String, PolyMesh)]) {
             }
         }
     }
+}
+
+/// Creases where faces make more than 30 degrees: both parts of the seams.
+fn creases(meshes: &[(String, PolyMesh)]) -> Result<(), Box<dyn Error>> {
+    println!(
+        "\ncreases at 30 degrees: jumps over creases (position alone is claimed) and over the other seams"
+    );
+    for (name, mesh) in meshes {
+        let sharp = sharp_edges(mesh, 30f64.to_radians())?;
+        for order in 0..3 {
+            let surface = match bubble_creased(mesh, &sharp, &BubbleOptions { order, ..Default::default() }) {
+                Ok(s) => s,
+                Err(e) => {
+                    println!("{name:26} {order} {e}");
+                    continue;
+                }
+            };
+            let count = surface.report().creases;
+            let (smooth, sharp) = surface.seams().split_at(surface.seams().len() - count);
+            let of = |seams| patch_jumps(surface.patches(), seams, diagonal(mesh), &parameters(50));
+            let (s, c) = (of(smooth), of(sharp));
+            println!(
+                "{name:26} {order} {count:5} creases {:9.1e} {:9.1e} | {:6} others {:9.1e} {:9.1e} {:9.1e} fold {:.3}",
+                c.position,
+                c.normal,
+                smooth.len(),
+                s.position,
+                s.normal,
+                s.shape,
+                surface.report().fold
+            );
+            if order == 2 {
+                surface.report().warnings.iter().for_each(|w| println!("    {w}"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Jumps of the spline variant against the number of intervals.
+fn splines() -> Result<(), Box<dyn Error>> {
+    println!("\nsplined boundary data, deformed icosahedron: A with splined heights, B with exact ones");
+    let mesh = with_normals(&common::deformed(0));
+    for order in 0..3 {
+        let surface = bubble(&mesh, &BubbleOptions { order, ..Default::default() })?;
+        for exact_height in [false, true] {
+            for k in [4, 8, 16, 32, 64] {
+                let start = Instant::now();
+                let options = SplineOptions { intervals: Intervals::Count(k), exact_height };
+                let made = spline_surface(&surface, &options)?;
+                let seconds = start.elapsed().as_secs_f64();
+                let j = patch_jumps(&made.patches, &made.seams, 1.0, &parameters(201));
+                let degree = made.patches[0].bspline()?.points.degree()[0];
+                let variant = if exact_height { "B" } else { "A" };
+                println!(
+                    "n = {order} {variant} K = {k:2} bidegree ({degree}, {degree}): position {:.1e} normal {:.1e} shape {:.1e} ({seconds:.2} s)",
+                    j.position, j.normal, j.shape
+                );
+            }
+        }
+    }
+    Ok(())
 }
 
 fn diagonal(mesh: &PolyMesh) -> f64 {

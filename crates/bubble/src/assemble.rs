@@ -124,13 +124,14 @@ fn bubble_shaped(
     let shapes = Shapes { tangents, creases };
     let network = Network::build_shaped(&steered, implicits, options.order, contact(options), &shapes)?;
     let mut surface = bubble_over(&steered, network, options)?;
-    if let Some(&most) = turned.iter().max_by(|a, b| a.angle.total_cmp(&b.angle)) {
-        surface.report.warnings.push(BubbleWarning::Turned { count: turned.len(), most });
+    let count = turned.iter().filter(|t| t.angle > 0.0).count();
+    if let Some(&most) = turned.iter().max_by(|a, b| a.angle.total_cmp(&b.angle)).filter(|_| count > 0) {
+        surface.report.warnings.push(BubbleWarning::Turned { count, most });
     }
     if let Some(&first) = bad.first() {
         surface.report.warnings.push(BubbleWarning::Unrolled { count: bad.len(), first });
     }
-    surface.report.turned = turned.len();
+    surface.report.turned = count;
     Ok(surface)
 }
 

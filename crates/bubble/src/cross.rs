@@ -7,7 +7,7 @@
 //! `C = Σ_{i=0}^{k} (−1)^i/(i+1)! ℓ^{i+1} ∂_a^i R`,
 //!
 //! for `k = 1` the closed form of the specification's section 4. Then `F(z(s)) = 0` is solved for the height along
-//! `z(s) = base(s) + h(s) N(s) − p`, order by order in the cross parameter `s`. docs/README.md has the derivation.
+//! `z(s) = base(s) + h(s) N(s) − p`, order by order in the cross parameter `s`. docs/tensors.md has the derivation.
 
 use crate::{
     MAX_ORDER,

@@ -7,64 +7,61 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use crate::strip::Strip;
 
-/// One number, or one for each of two halves.
+/// Numbers side by side: one, or one for each of two halves. `FMA`: products and sums are rounded once, for machines that do so at no cost.
+#[derive(Clone, Copy)]
+pub(crate) struct Lanes<const K: usize, const FMA: bool>(pub(crate) [f64; K]);
+
+/// What the formulas need of a number.
 pub(crate) trait Lane:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     fn splat(x: f64) -> Self;
     fn recip(self) -> Self;
+    /// `self · b + c`.
+    fn mul_add(self, b: Self, c: Self) -> Self;
 }
 
-impl Lane for f64 {
+impl<const K: usize, const FMA: bool> Lane for Lanes<K, FMA> {
     #[inline(always)]
     fn splat(x: f64) -> Self {
-        x
+        Self([x; K])
     }
 
     #[inline(always)]
     fn recip(self) -> Self {
-        1.0 / self
+        Self(self.0.map(|x| 1.0 / x))
+    }
+
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        Self(std::array::from_fn(|k| {
+            if FMA { self.0[k].mul_add(b.0[k], c.0[k]) } else { self.0[k] * b.0[k] + c.0[k] }
+        }))
     }
 }
 
-/// Two numbers side by side.
-#[derive(Clone, Copy)]
-pub(crate) struct Pair(pub(crate) [f64; 2]);
-
-macro_rules! pairwise {
+macro_rules! by_lane {
     ($trait:ident, $name:ident, $op:tt) => {
-        impl $trait for Pair {
+        impl<const K: usize, const FMA: bool> $trait for Lanes<K, FMA> {
             type Output = Self;
 
             #[inline(always)]
             fn $name(self, o: Self) -> Self {
-                Self([self.0[0] $op o.0[0], self.0[1] $op o.0[1]])
+                Self(std::array::from_fn(|k| self.0[k] $op o.0[k]))
             }
         }
     };
 }
-pairwise!(Add, add, +);
-pairwise!(Sub, sub, -);
-pairwise!(Mul, mul, *);
+by_lane!(Add, add, +);
+by_lane!(Sub, sub, -);
+by_lane!(Mul, mul, *);
 
-impl Neg for Pair {
+impl<const K: usize, const FMA: bool> Neg for Lanes<K, FMA> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self([-self.0[0], -self.0[1]])
-    }
-}
-
-impl Lane for Pair {
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        Self([x; 2])
-    }
-
-    #[inline(always)]
-    fn recip(self) -> Self {
-        Self([1.0 / self.0[0], 1.0 / self.0[1]])
+        Self(self.0.map(|x| -x))
     }
 }
 
@@ -79,12 +76,23 @@ pub(crate) struct Directions<T> {
 
 #[inline(always)]
 fn dot<T: Lane>(a: &[T; 3], b: &[T; 3]) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
+/// Coefficients of order 0 to 2 of the product of two vectors of series.
+#[inline(always)]
+fn products<T: Lane>(a: &[[T; 3]; 3], b: &[[T; 3]; 3]) -> [T; 3] {
+    let add = |a: &[T; 3], b: &[T; 3], c: T| a[2].mul_add(b[2], a[1].mul_add(b[1], a[0].mul_add(b[0], c)));
+    [
+        dot(&a[0], &b[0]),
+        add(&a[0], &b[1], dot(&a[1], &b[0])),
+        add(&a[0], &b[2], add(&a[1], &b[1], dot(&a[2], &b[0]))),
+    ]
 }
 
 #[inline(always)]
 fn axpy<T: Lane>(a: &[T; 3], c: T, b: &[T; 3]) -> [T; 3] {
-    [a[0] + c * b[0], a[1] + c * b[1], a[2] + c * b[2]]
+    [c.mul_add(b[0], a[0]), c.mul_add(b[1], a[1]), c.mul_add(b[2], a[2])]
 }
 
 #[inline(always)]
@@ -104,13 +112,28 @@ fn horner<T: Lane, const L: usize, const C: usize>(c: &[f64], t: T, s: T) -> [[T
         let width = if C - first < 3 { C - first } else { 3 };
         let mut acc = [[zero; 3]; L];
         let mut i = pairs.len();
+        // The first coefficients reach low orders only.
+        let first_few = if L.div_ceil(2) * 2 <= i { L.div_ceil(2) * 2 } else { 0 };
+        if first_few > 0 {
+            for j in 0..L.div_ceil(2) * 2 {
+                let (row, x) = (&pairs[i - 1 - j], if j % 2 == 0 { s } else { t });
+                for e in 0..width {
+                    for k in (1..L.min(j + 1)).rev() {
+                        acc[k][e] = if k == j { acc[k - 1][e] } else { acc[k][e].mul_add(x, acc[k - 1][e]) };
+                    }
+                    let c = T::splat(row[first + e]);
+                    acc[0][e] = if j == 0 { c } else { acc[0][e].mul_add(x, c) };
+                }
+            }
+            i -= first_few;
+        }
         while i >= 2 {
             for (row, x) in [(&pairs[i - 1], s), (&pairs[i - 2], t)] {
                 for e in 0..width {
                     for k in (1..L).rev() {
-                        acc[k][e] = acc[k][e] * x + acc[k - 1][e];
+                        acc[k][e] = acc[k][e].mul_add(x, acc[k - 1][e]);
                     }
-                    acc[0][e] = acc[0][e] * x + T::splat(row[first + e]);
+                    acc[0][e] = acc[0][e].mul_add(x, T::splat(row[first + e]));
                 }
             }
             i -= 2;
@@ -129,8 +152,8 @@ fn horner<T: Lane, const L: usize, const C: usize>(c: &[f64], t: T, s: T) -> [[T
 #[inline(always)]
 fn minus_quotient<T: Lane>(a: &[T; 3], b: &[T; 3], inverse: T) -> [T; 3] {
     let x0 = -(a[0] * inverse);
-    let x1 = -((a[1] + x0 * b[1]) * inverse);
-    let x2 = -((a[2] + x0 * b[2] + x1 * b[1]) * inverse);
+    let x1 = -(x0.mul_add(b[1], a[1]) * inverse);
+    let x2 = -(x1.mul_add(b[1], x0.mul_add(b[2], a[2])) * inverse);
     [x0, x1, x2]
 }
 
@@ -169,11 +192,7 @@ pub(crate) fn cross<T: Lane, const N: usize, const SKEW: bool>(
     let raw = horner::<T, 4, 3>(strip.level(1), t, s);
     let aa = [dot(&a0, &a0), two * dot(&a0, &a1), two * dot(&a0, &a2) + dot(&a1, &a1)];
     let inverse = aa[0].recip();
-    let ga = [
-        dot(&raw[0], &a0),
-        dot(&raw[0], &a1) + dot(&raw[1], &a0),
-        dot(&raw[0], &a2) + dot(&raw[1], &a1) + dot(&raw[2], &a0),
-    ];
+    let ga = products(&[raw[0], raw[1], raw[2]], &[a0, a1, a2]);
     let alpha = minus_quotient(&ga, &aa, inverse);
     let g0 = axpy(&raw[0], alpha[0], &a0);
     let g1 = axpy(&axpy(&raw[1], alpha[0], &a1), alpha[1], &a0);
@@ -190,7 +209,7 @@ pub(crate) fn cross<T: Lane, const N: usize, const SKEW: bool>(
         m1 = axpy(&axpy(&m1, h[0], &d.normal_slope), T::splat(1.0), &d.base_slope);
         m2 = axpy(&m2, h[1], &d.normal_slope);
     }
-    let above = [dot(&g0, &m0), dot(&g0, &m1) + dot(&g1, &m0), dot(&g0, &m2) + dot(&g1, &m1) + dot(&g2, &m0)];
+    let above = products(&[g0, g1, g2], &[m0, m1, m2]);
     let c = minus_quotient(&above, &denominator, below);
     out[1] = c;
     if N == 1 {
@@ -209,7 +228,7 @@ pub(crate) fn cross<T: Lane, const N: usize, const SKEW: bool>(
     m2 = axpy(&axpy(&m2, c[2], &normal), c[1], &delta);
     m1 = axpy(&axpy(&m1, c[1], &normal), c[0], &delta);
     m0 = axpy(&m0, c[0], &normal);
-    let ab = [dot(&a0, &m0), dot(&a0, &m1) + dot(&a1, &m0), dot(&a0, &m2) + dot(&a1, &m1) + dot(&a2, &m0)];
+    let ab = products(&[a0, a1, a2], &[m0, m1, m2]);
     let beta = minus_quotient(&ab, &aa, inverse);
     let along = [
         times(beta[0], &a0),
@@ -220,11 +239,7 @@ pub(crate) fn cross<T: Lane, const N: usize, const SKEW: bool>(
     let across: [[T; 3]; 3] = std::array::from_fn(|k| std::array::from_fn(|e| b[k][e] + along[k][e]));
     // β has the sign of −(a·B): 2 B − β a becomes B + across.
     let twice: [[T; 3]; 3] = std::array::from_fn(|k| std::array::from_fn(|e| b[k][e] + across[k][e]));
-    let turn = [
-        dot(&dg[0], &twice[0]),
-        dot(&dg[0], &twice[1]) + dot(&dg[1], &twice[0]),
-        dot(&dg[0], &twice[2]) + dot(&dg[1], &twice[1]) + dot(&dg[2], &twice[0]),
-    ];
+    let turn = products(&dg, &twice);
 
     // Half the Hessian's form on B⊥, with the products of its coordinates as series.
     let half = horner::<T, 3, 6>(strip.level(2), t, s);
@@ -232,14 +247,18 @@ pub(crate) fn cross<T: Lane, const N: usize, const SKEW: bool>(
     for (entry, (i, j)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate() {
         let (x, y) = ([across[0][i], across[1][i], across[2][i]], [across[0][j], across[1][j], across[2][j]]);
         let product = if i == j {
-            [x[0] * x[0], two * (x[0] * x[1]), two * (x[0] * x[2]) + x[1] * x[1]]
+            [x[0] * x[0], two * (x[0] * x[1]), two.mul_add(x[0] * x[2], x[1] * x[1])]
         } else {
-            [x[0] * y[0], x[0] * y[1] + x[1] * y[0], x[0] * y[2] + x[1] * y[1] + x[2] * y[0]]
+            [
+                x[0] * y[0],
+                x[0].mul_add(y[1], x[1] * y[0]),
+                x[0].mul_add(y[2], x[1].mul_add(y[1], x[2] * y[0])),
+            ]
         };
         let [f0, f1, f2] = [half[0][entry], half[1][entry], half[2][entry]];
-        bend[0] = bend[0] + f0 * product[0];
-        bend[1] = bend[1] + f0 * product[1] + f1 * product[0];
-        bend[2] = bend[2] + f0 * product[2] + f1 * product[1] + f2 * product[0];
+        bend[0] = f0.mul_add(product[0], bend[0]);
+        bend[1] = f1.mul_add(product[0], f0.mul_add(product[1], bend[1]));
+        bend[2] = f2.mul_add(product[0], f1.mul_add(product[1], f0.mul_add(product[2], bend[2])));
     }
     // g·N_d.
     let mut lean = [dot(&g0, &d.normal), dot(&g1, &d.normal), dot(&g2, &d.normal)];
@@ -321,12 +340,12 @@ pub(crate) fn blend<T: Lane, const N: usize, const SQUARE: bool>(x: T, w: T, e: 
         let gxw = scale[0] * (less * d - r * dd);
         let gww = scale[0] * (less * (order * h - T::splat(2.0) * r * d) + r * r * dd);
         let [e0, e1, e2] = e[i];
-        f[0] = f[0] + g * e0;
-        f[1] = f[1] + gx * e0;
-        f[2] = f[2] + g * e1 - gw * e0;
-        f[3] = f[3] + gxx * e0;
-        f[4] = f[4] + gx * e1 - gxw * e0;
-        f[5] = f[5] + g * e2 - T::splat(2.0) * gw * e1 + gww * e0;
+        f[0] = g.mul_add(e0, f[0]);
+        f[1] = gx.mul_add(e0, f[1]);
+        f[2] = g.mul_add(e1, (-gw).mul_add(e0, f[2]));
+        f[3] = gxx.mul_add(e0, f[3]);
+        f[4] = gx.mul_add(e1, (-gxw).mul_add(e0, f[4]));
+        f[5] = g.mul_add(e2, (T::splat(-2.0) * gw).mul_add(e1, gww.mul_add(e0, f[5])));
         scale = [scale[1], scale[2], scale[2] * w];
     }
     f

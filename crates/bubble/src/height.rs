@@ -7,7 +7,7 @@ use crate::{
     MAX_ORDER,
     corner::plane_index,
     cross::{CrossData, cross},
-    fast::{self, Directions, Lane, Pair},
+    fast::{self, Directions, Lane, Lanes},
     half::{GRADIENT, Half},
     hermite::rising,
     patch::{BubblePatch, Pairing},
@@ -20,6 +20,26 @@ const RADIUS: [f64; MAX_ORDER + 1] = [1e-5, 1e-5, 1e-3, 7e-3, 2e-2];
 
 /// Value and derivatives to order two in two variables `x` (inward) and `λ` (along).
 pub(crate) type Two = [f64; 6];
+
+/// The fast way at one point, compiled once for every set of instructions.
+struct Fast<'a, const N: usize> {
+    patch: &'a BubblePatch,
+    at: DVec2,
+}
+
+impl<const N: usize> pulp::WithSimd for Fast<'_, N> {
+    type Output = Jet2<f64>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Jet2<f64> {
+        // Whatever has vectors here has fused products.
+        if S::IS_SCALAR {
+            self.patch.height_lanes::<N, false>(self.at)
+        } else {
+            self.patch.height_lanes::<N, true>(self.at)
+        }
+    }
+}
 
 impl BubblePatch {
     /// The corner whose polynomial stands for the height at `at`, with the local parameters there.
@@ -81,12 +101,18 @@ impl BubblePatch {
         sum
     }
 
-    /// [`height_sized`](Self::height_sized) for orders up to 2: the two halves of a side go together.
-    #[inline(always)]
+    /// [`height_sized`](Self::height_sized) for orders up to 2, with the instructions that the machine has.
+    #[inline]
     fn height_fast<const N: usize>(&self, at: DVec2) -> Jet2<f64> {
         if let Some((k, x, y)) = self.near_corner(at) {
             return self.corner_height(k, x, y);
         }
+        pulp::Arch::new().dispatch(Fast::<N> { patch: self, at })
+    }
+
+    /// The two halves of a side go together.
+    #[inline(always)]
+    fn height_lanes<const N: usize, const FMA: bool>(&self, at: DVec2) -> Jet2<f64> {
         let mut sum = Jet2::default();
         if self.count == 4 {
             for h in 0..4 {
@@ -94,16 +120,20 @@ impl BubblePatch {
                 let [x, lambda, w] = self.coordinates(&half, at);
                 let [(base, base_slope), (normal, normal_slope)] =
                     self.leave(&half, lambda).map(|(a, b)| (a.to_array(), b.to_array()));
+                let [base, base_slope, normal, normal_slope] =
+                    [base, base_slope, normal, normal_slope].map(|x| x.map(|x| Lanes::<1, FMA>([x])));
                 let d = Directions { base, base_slope, normal, normal_slope };
-                let t = if half.against { w } else { lambda };
-                let mut e = fast::cross::<f64, N, true>(self.strip_of(&half), t, &d);
-                let sign = if half.against { -1.0 } else { 1.0 };
+                let t = Lanes([if half.against { w } else { lambda }]);
+                let mut e = fast::cross::<Lanes<1, FMA>, N, true>(self.strip_of(&half), t, &d);
+                let sign = Lanes([if half.against { -1.0 } else { 1.0 }]);
+                let (x, lambda, w) = (Lanes([x]), Lanes([lambda]), Lanes([w]));
+                let (half_of, two) = (Lanes([0.5]), Lanes([2.0]));
                 for (i, e) in e.iter_mut().enumerate().take(N + 1) {
-                    let q = self.twist::<f64, N, 1>([h], i, lambda, |[c]| c);
-                    *e = [e[0] - 0.5 * q[0], sign * e[1] - 0.5 * q[1], 2.0 * e[2] - q[2]];
+                    let q = self.twist::<Lanes<1, FMA>, N, 1>([h], i, lambda, Lanes);
+                    *e = [e[0] - half_of * q[0], sign * e[1] - half_of * q[1], two * e[2] - q[2]];
                 }
-                let f = fast::blend::<f64, N, true>(x, w, &e);
-                sum = sum.add(plane_jet(&f, &self.gradients(&half)));
+                let f = fast::blend::<Lanes<1, FMA>, N, true>(x, w, &e);
+                sum = sum.add(plane_jet(&f.map(|f| f.0[0]), &self.gradients(&half)));
             }
             return sum;
         }
@@ -114,31 +144,31 @@ impl BubblePatch {
                 continue;
             }
             let [p, q] = [0, 1].map(|k| self.coordinates(&halves[k], at));
-            let (x, lambda, w) = (Pair([p[0], q[0]]), Pair([p[1], q[1]]), Pair([p[2], q[2]]));
-            let zero = [Pair([0.0; 2]); 3];
+            let (x, lambda, w) = (Lanes([p[0], q[0]]), Lanes([p[1], q[1]]), Lanes([p[2], q[2]]));
+            let zero = [Lanes([0.0; 2]); 3];
             let [base, normal] = [&self.corners, &self.normals].map(|x| {
                 let [a, b] = [0, 1].map(|k| x[halves[k].inward] - x[halves[k].from]);
-                [Pair([a.x, b.x]), Pair([a.y, b.y]), Pair([a.z, b.z])]
+                [Lanes([a.x, b.x]), Lanes([a.y, b.y]), Lanes([a.z, b.z])]
             });
             let d = Directions { base, base_slope: zero, normal, normal_slope: zero };
             // The halves run against each other: one of them along the strip's canonical direction.
             let (t, sign) = if halves[0].against {
-                (Pair([p[2], q[1]]), Pair([-1.0, 1.0]))
+                (Lanes([p[2], q[1]]), Lanes([-1.0, 1.0]))
             } else {
-                (Pair([p[1], q[2]]), Pair([1.0, -1.0]))
+                (Lanes([p[1], q[2]]), Lanes([1.0, -1.0]))
             };
-            let mut e = fast::cross::<Pair, N, false>(self.strip_of(&halves[0]), t, &d);
-            let (data, weight) = (Pair([first[0], second[0]]), Pair([first[1], second[1]]));
+            let mut e = fast::cross::<Lanes<2, FMA>, N, false>(self.strip_of(&halves[0]), t, &d);
+            let (data, weight) = (Lanes([first[0], second[0]]), Lanes([first[1], second[1]]));
             for (i, e) in e.iter_mut().enumerate().take(N + 1) {
-                let q = self.twist::<Pair, N, 2>([2 * side, 2 * side + 1], i, lambda, Pair);
-                let two = Pair([2.0; 2]);
+                let q = self.twist::<Lanes<2, FMA>, N, 2>([2 * side, 2 * side + 1], i, lambda, Lanes);
+                let two = Lanes([2.0; 2]);
                 *e = [
                     data * e[0] - weight * q[0],
                     data * sign * e[1] - weight * q[1],
                     two * (data * e[2] - weight * q[2]),
                 ];
             }
-            let f = fast::blend::<Pair, N, false>(x, w, &e);
+            let f = fast::blend::<Lanes<2, FMA>, N, false>(x, w, &e);
             for k in 0..2 {
                 sum = sum.add(plane_jet(&f.map(|f| f.0[k]), &self.gradients(&halves[k])));
             }

@@ -22,8 +22,10 @@
 //! on the unit square; side `k` runs from corner `k` to the next. Strips run from the lower vertex to the higher one. `h` is the height
 //! along the interpolated normal `N`, which is not normalised. Letters are those of Kapl, Byrtus and Jüttler (2011).
 //!
-//! When not to use it: edges that are to stay sharp; normals that see a face from behind (it folds there, the report tells); where
-//! polynomial patches are wanted.
+//! [`bubble_creased`] keeps edges sharp, [`spline`] writes B-splines.
+//!
+//! When not to use it: meshes that wind back on themselves within a triangle (patches fold there, the report tells); where few patches
+//! are wanted.
 
 #![forbid(unsafe_code)]
 

@@ -9,12 +9,12 @@ use rayon::prelude::*;
 
 use crate::{network::Edges, poly_mesh::PolyMesh};
 
-/// A normal that was turned.
+/// A normal whose clearance was too small.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Turned {
     /// The vertex.
     pub vertex: u32,
-    /// By how much, in radians.
+    /// By how much, in radians; 0 where no other direction is better by much.
     pub angle: f64,
     /// Smallest cosine with the normals of faces and sine with the edges before and after.
     pub clearance: [f64; 2],
@@ -125,7 +125,8 @@ fn turn(stars: &Stars, normal: DVec3, v: usize, least: f64) -> Option<(DVec3, Tu
     let after = clearance(star, best);
     let goal = least.min(0.9 * after);
     if !(goal > before) {
-        return None;
+        // As good as it gets.
+        return Some((normal, Turned { vertex: v as u32, angle: 0.0, clearance: [before; 2] }));
     }
     // The first step on the way that is good enough: clearance need not grow all the way.
     const STEPS: u32 = 64;

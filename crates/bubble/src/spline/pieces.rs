@@ -38,8 +38,9 @@ impl Pieces {
     /// The polynomial with monomial coefficients `c`.
     pub(crate) fn polynomial(intervals: usize, c: &[f64]) -> Self {
         let t = Self::linear(intervals, 0.0, 1.0);
-        let start = Self::constant(intervals, 0.0);
-        c.iter().rev().fold(start, |sum, &c| sum.mul(&t).add(&Self::constant(intervals, c)))
+        let (last, lower) = c.split_last().unwrap_or((&0.0, &[]));
+        let start = Self::constant(intervals, *last);
+        lower.iter().rev().fold(start, |sum, &c| sum.mul(&t).add(&Self::constant(intervals, c)))
     }
 
     /// `self^n`.

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 use suture_bubble::{BubblePatch, BubbleSurface, Face, PolyMesh};
 use suture_mesh::TriMesh;
-use suture_surface::{EdgeRef, Jet2, Patch};
+use suture_surface::{EdgeRef, Jet2, Patch, Seam};
 
 /// Unit normal and shape operator as a symmetric tensor in space.
 pub fn shape(jet: &Jet2) -> (DVec3, DMat3) {
@@ -57,14 +57,18 @@ pub fn edge_point(surface: &BubbleSurface, edge: EdgeRef, t: f64) -> (&BubblePat
 
 /// Jumps over all seams at the parameters `ts`; the angles ignore the orientation of the patches.
 pub fn jumps(surface: &BubbleSurface, diagonal: f64, ts: &[f64]) -> Jumps {
-    let each: Vec<Jumps> = surface
-        .seams()
+    patch_jumps(surface.patches(), surface.seams(), diagonal, ts)
+}
+
+/// As [`jumps`], of any patches.
+pub fn patch_jumps<P: Patch>(patches: &[P], seams: &[Seam], diagonal: f64, ts: &[f64]) -> Jumps {
+    let each: Vec<Jumps> = seams
         .par_iter()
         .map(|seam| {
             ts.iter().fold(Jumps::default(), |worst, &t| {
-                let jet = |edge, t| {
-                    let (patch, at) = edge_point(surface, edge, t);
-                    patch.jet(at)
+                let jet = |edge: EdgeRef, t| {
+                    let patch = &patches[edge.patch.0 as usize];
+                    patch.jet(patch.domain().edge(edge.edge as usize).unwrap().point(t))
                 };
                 let (a, b) = (jet(seam.a, t), jet(seam.b, seam.opposite(t)));
                 let ((na, sa), (mut nb, mut sb)) = (shape(&a), shape(&b));
