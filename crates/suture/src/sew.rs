@@ -220,7 +220,8 @@ pub fn sew_creased(
     let report = built.report().clone();
     let warnings = report.warnings.iter().map(ToString::to_string).collect();
     let mut sewn = measure(mesh, built.into_surface()?, report, tessellation, warnings, options, clock)?;
-    sewn.warnings.extend(creased(&sewn));
+    let note = creased(&sewn);
+    sewn.warnings.extend(note);
     Ok(sewn)
 }
 

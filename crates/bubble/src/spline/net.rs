@@ -155,7 +155,7 @@ impl SplinePatch {
                     let row = &self.exact.twists[(h * (n + 1) + i) * (2 * n + 2)..][..2 * n + 2];
                     e = e.add(&Pieces::polynomial(k, row).scale(-twist));
                 }
-                let inward = Pieces::polynomial(k, &hermite.basis[0][i]);
+                let inward = Pieces::polynomial(k, &hermite.basis[0][i][..2 * n + 2]);
                 terms.push(match half.side {
                     0 => (e, inward),
                     1 => (inward.reverse(), e),

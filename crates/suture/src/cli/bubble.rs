@@ -89,7 +89,7 @@ pub(crate) fn run(a: &Bubble, common: &args::Common, report: &mut Report) -> Res
 /// Pairs of vertices, one per line; empty lines and those that begin with `#` do not count.
 fn read_edges(path: &Path) -> Result<Vec<[u32; 2]>, SutureError> {
     let text = std::fs::read_to_string(path)
-        .map_err(|e| SutureError::Unsuitable { what: format!("{}: {e}", path.display()) })?;
+        .map_err(|source| SutureError::File { path: path.to_owned(), source })?;
     let mut out = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let line = line.trim();
