@@ -197,6 +197,7 @@ def measure(path, unit=1.0, diagonal=None, fine=1e-4):
         "curvature": curvature,
         "volume": volume / unit**3,
         "area": area / unit**2,
+        "deflection": fine * diagonal,
         "mesh_volume": float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6),
         "points": points,
         "triangles": triangles,
@@ -260,21 +261,57 @@ def check(path, data):
     yield "area, relative", abs(found["area"] / data["area"] - 1), data.get("volume_limit", VOLUME)
 
 
+# What a row must keep where nothing else was asked for: degrees, jump of curvature (rough fits), relative difference of deviations.
+ANGLE, CURVATURE, DEVIATION = 0.01, 0.02, 0.02
+
+
+def beyond(found, told, report, diagonal):
+    """What is not as it must be."""
+    unit, limit = found["unit"], report.get("settings", {}).get("cad_tolerance", 1e-6)
+    genus = (report.get("tessellation") or {}).get("genus")
+    closed = told["open_edges"] == 0
+    if not found["valid"]:
+        yield "invalid"
+    if any(found[k] != told[k] for k in ["faces", "edges", "vertices"]):
+        yield "counts"
+    if closed and (found["solids"] != told["shells"] or found["free"] != 0):
+        yield "open"
+    if closed and genus is not None and found["euler"] != 2 - 2 * genus:
+        yield "genus"
+    # Its own floor is 1e-7 mm.
+    if found["tolerance"] > max(limit, 1.01e-7 / unit / diagonal):
+        yield "tolerance"
+    if not found["gap"] <= limit:
+        yield "gap"
+    if not found["angle"] <= ANGLE:
+        yield "angle"
+    if not found["curvature"] <= CURVATURE:
+        yield "curvature"
+    # A tessellation lies within its deflection of the faces.
+    if closed and abs(found["volume"] - found["mesh_volume"]) > found["area"] * found["deflection"]:
+        yield "volume"
+
+
 def one(step, report, mesh=None):
     """Checks one file against the report of the command that wrote it; prints a row."""
     report = json.loads(Path(report).read_text(encoding="utf-8"))
     told, unit = report["step"], UNITS[report.get("settings", {}).get("unit", "mm")]
     diagonal = told["diagonal"]
     found = measure(step, unit, diagonal, fine=2e-5 if mesh else 1e-4)
-    genus = (report.get("tessellation") or {}).get("genus")
-    good = found["valid"] and all(found[k] == told[k] for k in ["faces", "edges", "vertices"])
-    if told["open_edges"] == 0:
-        good &= found["solids"] == told["shells"] and found["free"] == 0
-    if genus is not None and told["open_edges"] == 0:
-        good &= found["euler"] == 2 - 2 * genus
+    bad = list(beyond(found, told, report, diagonal))
+    last = []
+    if mesh:
+        mine = deviation(found, mesh)
+        last = [f"{100 * x / diagonal:.4f}" for x in mine]
+        if report.get("deviation"):
+            there = report["deviation"]["mesh_to_surface"]
+            theirs = [there["rms"], there["max"]]
+            last += [f"{100 * x:.4f}" for x in theirs]
+            if any(abs(x / diagonal - y) > DEVIATION * y + 1e-6 for x, y in zip(mine, theirs)):
+                bad.append("deviation")
     row = [
         Path(step).stem,
-        "ok" if good else "BAD",
+        "BAD: " + ", ".join(bad) if bad else "ok",
         f"{found['faces']}/{found['edges']}/{found['vertices']}",
         f"{found['solids']}",
         f"{Path(step).stat().st_size / 1e6:.2f}",
@@ -287,14 +324,8 @@ def one(step, report, mesh=None):
         f"{found['volume'] / found['mesh_volume'] - 1:.1e}",
         f"{found['area']:.6g}",
     ]
-    if mesh:
-        rms, largest = deviation(found, mesh)
-        row += [f"{100 * rms / diagonal:.4f}", f"{100 * largest / diagonal:.4f}"]
-        if report.get("deviation"):
-            there = report["deviation"]["mesh_to_surface"]
-            row += [f"{100 * there['rms']:.4f}", f"{100 * there['max']:.4f}"]
-    print(" | ".join(row), flush=True)
-    return good
+    print(" | ".join(row + last), flush=True)
+    return not bad
 
 
 if __name__ == "__main__":

@@ -111,6 +111,20 @@ pub fn write(
     }
 }
 
+/// Writes `surface` to `path` as binary glTF with the distances of the vertices from a mesh ([`to_glb_with`](crate::to_glb_with)); the file
+/// appears complete or not at all.
+///
+/// # Errors
+/// Those of [`to_glb_with`](crate::to_glb_with), and [`ExportError::Io`].
+pub fn write_glb(
+    path: impl AsRef<Path>,
+    surface: &Surface,
+    tessellation: &Tessellation,
+    deviation: Option<&[f64]>,
+) -> Result<(), ExportError> {
+    save(path.as_ref(), &glb::to_glb_with(surface, tessellation, deviation)?)
+}
+
 /// Writes `surface` to `path` as STEP; the file appears complete or not at all.
 ///
 /// # Errors

@@ -7,7 +7,7 @@ use gltf_json::material::{PbrBaseColorFactor, PbrMetallicRoughness, StrengthFact
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::{Checked::Valid, USize64};
 use gltf_json::{Accessor, Asset, Buffer, Index, Material, Mesh, Node, Root, Scene};
-use suture_surface::Surface;
+use suture_surface::{Jet2, Surface};
 use suture_tessellate::Tessellation;
 
 use crate::ExportError;
@@ -26,11 +26,31 @@ const LIMIT: u64 = u32::MAX as u64;
 /// # Errors
 /// [`ExportError::Tessellation`], [`ExportError::Range`], [`ExportError::TooLarge`].
 pub fn to_glb(surface: &Surface, tessellation: &Tessellation) -> Result<Vec<u8>, ExportError> {
+    to_glb_with(surface, tessellation, None)
+}
+
+/// [`to_glb`] with the distances of the vertices of the tessellation from the mesh, in the unit of the surface, as `_DEVIATION`.
+///
+/// `_CURVATURE` is there always: both principal curvatures, the larger one first, in reciprocals of that unit; those of a sphere are
+/// positive. Both are zero where the patch is singular.
+///
+/// # Errors
+/// Those of [`to_glb`]; [`ExportError::Tessellation`] when there is not one distance per vertex.
+pub fn to_glb_with(
+    surface: &Surface,
+    tessellation: &Tessellation,
+    deviation: Option<&[f64]>,
+) -> Result<Vec<u8>, ExportError> {
+    let vertices = tessellation.mesh.positions.len();
+    if let Some(d) = deviation.filter(|d| d.len() != vertices) {
+        let reason = format!("there are {} deviations of {vertices} vertices", d.len());
+        return Err(ExportError::Tessellation { reason });
+    }
     let grouped = Grouped::new(surface, tessellation)?;
     let positions = &tessellation.mesh.positions;
     let (translation, local) = localise(positions, &grouped.vertex)?;
     let triangles: u64 = grouped.corners.iter().map(|g| g.len() as u64).sum();
-    let bytes = 24 * local.len() as u64 + 12 * triangles;
+    let bytes = 36 * local.len() as u64 + 12 * triangles;
     // The head is far below 2²⁰ bytes.
     if bytes + (1 << 20) > LIMIT {
         return Err(ExportError::TooLarge { bytes, limit: LIMIT });
@@ -56,13 +76,31 @@ pub fn to_glb(surface: &Surface, tessellation: &Tessellation) -> Result<Vec<u8>,
         let normals = grouped.normals.iter().flat_map(|n| n.as_vec3().normalize_or(Vec3::Z).to_array());
         let normal = file.view(&mut root, Some(12), Target::ArrayBuffer, normals.flat_map(f32::to_le_bytes));
         let normal = accessor(&mut root, normal, local.len(), ComponentType::F32, Type::Vec3);
+        let curvatures = grouped
+            .place
+            .iter()
+            .flat_map(|&(id, at)| surface.patch(id).and_then(|p| curvatures(&p.jet(at))).unwrap_or_default());
+        let bytes = curvatures.flat_map(f32::to_le_bytes);
+        let curvature = file.view(&mut root, Some(8), Target::ArrayBuffer, bytes);
+        let curvature = accessor(&mut root, curvature, local.len(), ComponentType::F32, Type::Vec2);
+        let mut attributes = vec![
+            (Valid(Semantic::Positions), point),
+            (Valid(Semantic::Normals), normal),
+            (Valid(Semantic::Extras("CURVATURE".into())), curvature),
+        ];
+        if let Some(d) = deviation {
+            let bytes = grouped.vertex.iter().flat_map(|&v| finite(d[v as usize]).to_le_bytes());
+            let view = file.view(&mut root, Some(4), Target::ArrayBuffer, bytes);
+            let view = accessor(&mut root, view, local.len(), ComponentType::F32, Type::Scalar);
+            attributes.push((Valid(Semantic::Extras("DEVIATION".into())), view));
+        }
         for (group, triangles) in GROUPS.iter().zip(&grouped.corners).filter(|(_, t)| !t.is_empty()) {
             let indices = triangles.iter().flatten().flat_map(|i| i.to_le_bytes());
             let view = file.view(&mut root, None, Target::ElementArrayBuffer, indices);
             let indices = accessor(&mut root, view, 3 * triangles.len(), ComponentType::U32, Type::Scalar);
             let material = root.push(material(group));
             primitives.push(Primitive {
-                attributes: [(Valid(Semantic::Positions), point), (Valid(Semantic::Normals), normal)].into(),
+                attributes: attributes.iter().cloned().collect(),
                 extensions: None,
                 extras: Default::default(),
                 indices: Some(indices),
@@ -110,6 +148,23 @@ fn localise(positions: &[DVec3], vertex: &[u32]) -> Result<(Vec3, Vec<Vec3>), Ex
         if q.is_finite() { Ok(q) } else { Err(ExportError::Range { vertex: v as usize, value }) }
     };
     Ok((translation, vertex.iter().map(local).collect::<Result<_, _>>()?))
+}
+
+/// The principal curvatures, those of a sphere positive.
+fn curvatures(jet: &Jet2) -> Option<[f32; 2]> {
+    let n = jet.normal()?;
+    let [e, f, g] = [jet.du.length_squared(), jet.du.dot(jet.dv), jet.dv.length_squared()];
+    let [l, m, k] = [jet.duu, jet.duv, jet.dvv].map(|d| -d.dot(n));
+    let area = e * g - f * f;
+    let (mean, gauss) = (0.5 * (e * k - 2.0 * f * m + g * l) / area, (l * k - m * m) / area);
+    let root = (mean * mean - gauss).max(0.0).sqrt();
+    Some([finite(mean + root), finite(mean - root)])
+}
+
+/// In 32 bits; zero for what they do not hold.
+fn finite(x: f64) -> f32 {
+    let x = x as f32;
+    if x.is_finite() { x } else { 0.0 }
 }
 
 fn numbers(p: Vec3) -> gltf_json::Value {

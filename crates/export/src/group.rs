@@ -1,6 +1,6 @@
 //! Groups of patches: names and colours.
 
-use suture_surface::{PatchKind, Surface};
+use suture_surface::{PatchId, PatchKind, Surface};
 use suture_tessellate::Tessellation;
 
 use crate::ExportError;
@@ -67,6 +67,8 @@ pub(crate) struct Grouped {
     pub(crate) normals: Vec<glam::DVec3>,
     /// Vertex of every normal.
     pub(crate) vertex: Vec<u32>,
+    /// Where every normal is taken.
+    pub(crate) place: Vec<(PatchId, glam::DVec2)>,
 }
 
 /// Number of the normal of a corner; its vertex is [`Grouped::vertex`] of it.
@@ -91,6 +93,8 @@ impl Grouped {
         let unit = |v: usize| given.and_then(|n| n[v].try_normalize()).unwrap_or_else(|| own(v));
         let mut normals: Vec<glam::DVec3> = (0..mesh.positions.len()).map(unit).collect();
         let mut vertex: Vec<u32> = (0..normals.len() as u32).collect();
+        let of_vertex = |v: usize| (tessellation.vertex_patch[v], tessellation.vertex_parameter[v]);
+        let mut place: Vec<_> = (0..normals.len()).map(of_vertex).collect();
         let mut corners = vec![Vec::new(); GROUPS.len()];
         // Split corners of the same vertex and patch share their normal.
         let mut split: std::collections::HashMap<(u32, u32), u32> = std::collections::HashMap::new();
@@ -116,11 +120,12 @@ impl Grouped {
                     split.insert((v, id.0), triangle[c]);
                     normals.push(n);
                     vertex.push(v);
+                    place.push((id, tessellation.corner_parameters[t][c]));
                 }
             }
             corners[group_of(patch.kind())].push(triangle);
         }
-        Ok(Self { corners, normals, vertex })
+        Ok(Self { corners, normals, vertex, place })
     }
 }
 

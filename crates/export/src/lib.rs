@@ -18,8 +18,8 @@ mod obj;
 mod step;
 
 pub use error::ExportError;
-pub use format::{Format, write, write_step};
-pub use glb::to_glb;
+pub use format::{Format, write, write_glb, write_step};
+pub use glb::{to_glb, to_glb_with};
 pub use native::{Loader, SCHEMA, read_native, write_native};
 pub use obj::{to_mtl, to_obj};
 pub use step::{LengthUnit, StepOptions, StepReport, to_step};

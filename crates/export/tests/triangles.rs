@@ -6,7 +6,7 @@ use common::*;
 use glam::{DVec2, DVec3, Vec3};
 use gltf_json::mesh::Semantic;
 use gltf_json::validation::{Checked, Validate};
-use suture_export::{ExportError, Format, to_glb, to_mtl, to_obj, write};
+use suture_export::{ExportError, Format, to_glb, to_glb_with, to_mtl, to_obj, write};
 use suture_mesh::TriMesh;
 use suture_surface::{PatchId, Surface};
 use suture_tessellate::{Tessellation, TessellationOptions, tessellate};
@@ -97,6 +97,43 @@ fn glb_holds_the_triangles_by_group() {
     for (a, b) in parts[0].positions.iter().zip(&t.mesh.positions) {
         assert!(a.distance(*b) < 1e-6);
     }
+}
+
+#[test]
+fn glb_holds_curvature_and_deviation() {
+    let surface = two(1.0, DVec3::ZERO);
+    let t = tessellated(&surface);
+    let distances: Vec<f64> = (0..t.mesh.positions.len()).map(|i| i as f64 * 0.25).collect();
+    let bytes = to_glb_with(&surface, &t, Some(&distances)).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let root: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let body = &bytes[28 + length..];
+    let floats = |name: &str| -> Vec<f32> {
+        let accessor = root["meshes"][0]["primitives"][0]["attributes"][name].as_u64().unwrap();
+        let view = root["accessors"][accessor as usize]["bufferView"].as_u64().unwrap();
+        let view = &root["bufferViews"][view as usize];
+        let at = view["byteOffset"].as_u64().unwrap_or(0) as usize;
+        let bytes = &body[at..at + view["byteLength"].as_u64().unwrap() as usize];
+        bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
+    };
+    let told: Vec<f32> = distances.iter().map(|&d| d as f32).collect();
+    assert_eq!(floats("_DEVIATION"), told);
+    let curvature = floats("_CURVATURE");
+    assert_eq!(curvature.len(), 2 * told.len());
+    for (i, pair) in curvature.chunks_exact(2).enumerate() {
+        // From the shape operator in an orthonormal frame.
+        let jet = surface.patch(t.vertex_patch[i]).unwrap().jet(t.vertex_parameter[i]);
+        let n = jet.normal().unwrap();
+        let (e, f, g) = (jet.du.dot(jet.du), jet.du.dot(jet.dv), jet.dv.dot(jet.dv));
+        for &k in pair {
+            let k = f64::from(k);
+            let m = [jet.duu, jet.duv, jet.dvv].map(|d| -d.dot(n));
+            let determinant = (m[0] - k * e) * (m[2] - k * g) - (m[1] - k * f).powi(2);
+            assert!(determinant.abs() < 1e-5 * (1.0 + k * k) * (e * g), "{i} {k} {determinant}");
+        }
+        assert!(pair[0] >= pair[1]);
+    }
+    assert!(matches!(to_glb_with(&surface, &t, Some(&[0.0])), Err(ExportError::Tessellation { .. })));
 }
 
 #[test]

@@ -16,6 +16,8 @@ pub(crate) struct Brep {
 pub(crate) struct Edge {
     pub(crate) ends: [usize; 2],
     pub(crate) curve: BSplineCurve<DVec3>,
+    /// Frame and radius of the circle that the curve is, between faces that are no splines.
+    pub(crate) circle: Option<([DVec3; 3], f64)>,
 }
 
 /// A part of a surface, on the left of its loops.
@@ -38,8 +40,23 @@ pub(crate) struct Face {
 #[derive(Clone, Debug)]
 pub(crate) enum Geometry {
     Spline(BSplineSurface<DVec3>),
-    Plane { frame: [DVec3; 3] },
-    Sphere { frame: [DVec3; 3], radius: f64 },
+    Plane {
+        frame: [DVec3; 3],
+    },
+    Sphere {
+        frame: [DVec3; 3],
+        radius: f64,
+    },
+    Cylinder {
+        frame: [DVec3; 3],
+        radius: f64,
+    },
+    /// Widens along its axis, from `radius` at the point of the frame; `angle` is half its opening.
+    Cone {
+        frame: [DVec3; 3],
+        radius: f64,
+        angle: f64,
+    },
 }
 
 /// The use of an edge by a face.

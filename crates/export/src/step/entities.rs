@@ -50,7 +50,13 @@ pub(crate) fn file(brep: &Brep, about: &About<'_>) -> String {
         .iter()
         .zip(&uses)
         .map(|(edge, uses)| {
-            let mut geometry = curve(&mut s, &edge.curve);
+            let mut geometry = match &edge.circle {
+                Some((frame, radius)) => {
+                    let at = placement(&mut s, frame);
+                    s.add(format_args!("CIRCLE('',{at},{})", Real(*radius)))
+                }
+                None => curve(&mut s, &edge.curve),
+            };
             if !uses.is_empty() {
                 let pcurves: Vec<Id> = uses
                     .iter()
@@ -127,6 +133,14 @@ fn geometry(s: &mut Section, geometry: &Geometry) -> Id {
         Geometry::Sphere { frame, radius } => {
             let at = placement(s, frame);
             s.add(format_args!("SPHERICAL_SURFACE('',{at},{})", Real(*radius)))
+        }
+        Geometry::Cylinder { frame, radius } => {
+            let at = placement(s, frame);
+            s.add(format_args!("CYLINDRICAL_SURFACE('',{at},{})", Real(*radius)))
+        }
+        Geometry::Cone { frame, radius, angle } => {
+            let at = placement(s, frame);
+            s.add(format_args!("CONICAL_SURFACE('',{at},{},{})", Real(*radius), Real(*angle)))
         }
     }
 }

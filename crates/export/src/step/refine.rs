@@ -10,7 +10,7 @@ use suture_surface::Surface;
 use super::brep::{Brep, Coedge, Edge, Face, Geometry, Pcurve};
 use super::layout::{Block, Interval, Layout, LayoutEdge, Use, Vertex};
 use super::measure::{self, Jump};
-use super::{StepOptions, exact, fit};
+use super::{StepOptions, exact, fit, quadric};
 use crate::{ExportError, group};
 
 /// Intervals to begin with on half an edge, and on half an edge of an N-gon.
@@ -22,15 +22,15 @@ const LEAST: [f64; 3] = [1.0 / 2048.0, 1.0 / 512.0, 1.0 / 256.0];
 /// Into how many parts an interval is divided at most, for the sake of each.
 const PARTS: [f64; 3] = [4.0, 3.0, 2.0];
 
-/// What may at most be left of a jump of curvature after two divisions for a third one. A kink leaves a quarter, more where the places of
-/// the samples moved away from it; folds leave everything.
-const GAIN: f64 = 0.85;
+/// How far beyond its limit a jump of curvature may be to get nodes; the next one counts when a class would have too many, as where a patch is
+/// nearly singular and no number of them helps.
+const HOPES: [f64; 3] = [f64::INFINITY, 8.0, 0.0];
 
 /// How many times the nodes are refined at most.
 const ROUNDS: usize = 10;
 
-/// Share of every limit that samples may use: between them it may be a little worse.
-const SAFETY: f64 = 0.8;
+/// Share of the limits of position, angle and curvature that samples may use: between them it may be worse, the more the rougher it is.
+const SAFETY: [f64; 3] = [0.8, 0.8, 0.6];
 
 /// Largest errors found; lengths in units of the surface.
 #[derive(Clone, Debug, Default)]
@@ -116,10 +116,9 @@ fn divide(
     options: &StepOptions,
 ) -> bool {
     // Of every interval of every class: how far beyond its limit each kind of error is.
-    let mut over: Vec<Vec<[f64; 3]>> =
-        layout.classes.iter().map(|c| vec![[0.0; 3]; c.history.len()]).collect();
+    let mut over: Vec<Vec<[f64; 3]>> = layout.classes.iter().map(|c| vec![[0.0; 3]; c.count()]).collect();
     let mut ask = |at: Interval, kind: usize, error: f64, limit: f64| {
-        let by = error / (SAFETY * limit);
+        let by = error / (SAFETY[kind] * limit);
         let worst = &mut over[at.class][at.number][kind];
         *worst = if by.is_nan() { f64::INFINITY } else { worst.max(by) };
     };
@@ -131,7 +130,7 @@ fn divide(
         for (cell, &error) in deviation.inside.iter().enumerate() {
             let ((a, in_a), (b, in_b)) =
                 (deviation.along_a[cell / columns], deviation.along_b[cell % columns]);
-            if in_a.max(in_b) <= SAFETY * limit {
+            if in_a.max(in_b) <= SAFETY[0] * limit {
                 ask(if in_a > in_b { a } else { b }, 0, error, limit);
             }
         }
@@ -145,14 +144,11 @@ fn divide(
     }
     let mut changed = false;
     for (class, over) in layout.classes.iter_mut().zip(over) {
-        let parts: Vec<usize> = over
-            .iter()
-            .enumerate()
-            .map(|(i, over)| {
+        let parts = |worst: f64| -> Vec<usize> {
+            let one = |(i, over): (usize, &[f64; 3])| {
                 let of = |kind: usize| {
                     let possible = (class.length(i) / LEAST[kind]).floor().min(PARTS[kind]);
-                    let hopeless = kind == 2 && over[2] > GAIN * class.history[i][0];
-                    if over[kind] <= 1.0 || possible < 2.0 || hopeless {
+                    if over[kind] <= 1.0 || possible < 2.0 || (kind == 2 && over[2] > worst) {
                         return 1;
                     }
                     // Values are met to the third order only, angles to the second, curvatures to the first: the surfaces beneath are
@@ -160,10 +156,11 @@ fn divide(
                     (1.1 * over[kind].powf([1.0 / 3.0, 0.5, 1.0][kind])).ceil().clamp(2.0, possible) as usize
                 };
                 (0..3).map(of).fold(1, usize::max)
-            })
-            .collect();
-        let wrong: Vec<f64> = over.iter().map(|o| o[2]).collect();
-        changed |= class.divide(&parts, &wrong);
+            };
+            over.iter().enumerate().map(one).collect()
+        };
+        let tries = HOPES.map(parts);
+        changed |= tries.iter().any(|parts| class.divide(parts));
     }
     changed
 }
@@ -236,7 +233,13 @@ fn assemble(
             let face = if matches!(one, Use::Exact { .. }) { first_exact + face } else { face };
             loops[face].push((place, Coedge { edge: number, forward, pcurve }));
         }
-        brep.edges.push(Edge { ends: ids, curve });
+        let plain = |one: &Use| matches!(one, Use::Exact { face, .. } if !matches!(layout.exact[*face].geometry, Geometry::Spline(_)));
+        let circle = edge.uses.iter().all(plain).then(|| {
+            let points: Vec<DVec3> =
+                (0..=16).map(|i| curve.point(ends[0] + (ends[1] - ends[0]) * f64::from(i) / 16.0)).collect();
+            quadric::circle(&points)
+        });
+        brep.edges.push(Edge { ends: ids, curve, circle: circle.flatten() });
     }
     for (f, mut coedges) in loops.into_iter().enumerate() {
         coedges.sort_by(|a, b| (a.0.0, a.0.1).cmp(&(b.0.0, b.0.1)).then(a.0.2.total_cmp(&b.0.2)));

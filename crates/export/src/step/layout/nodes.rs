@@ -14,8 +14,6 @@ use super::topology::{Topology, UnionFind};
 pub(crate) struct Class {
     /// From 0 at the end to 1 at the middle.
     pub(crate) nodes: Vec<f64>,
-    /// Of every interval what was wrong before its last two divisions, in the unit of the caller.
-    pub(crate) history: Vec<[f64; 2]>,
 }
 
 /// A half of an edge as a side runs along it.
@@ -52,39 +50,37 @@ const MOST_NODES: usize = 160;
 
 impl Class {
     fn new(intervals: usize) -> Self {
-        let nodes = (0..=intervals).map(|i| i as f64 / intervals as f64).collect();
-        Self { nodes, history: vec![[f64::INFINITY; 2]; intervals] }
+        Self { nodes: (0..=intervals).map(|i| i as f64 / intervals as f64).collect() }
+    }
+
+    /// Number of intervals.
+    pub(crate) fn count(&self) -> usize {
+        self.nodes.len() - 1
     }
 
     pub(crate) fn length(&self, interval: usize) -> f64 {
         self.nodes[interval + 1] - self.nodes[interval]
     }
 
-    /// Divides every interval into as many equal parts as `parts` has for it, and intervals that are much longer than a neighbour; `wrong`
-    /// is remembered. Whether anything changed.
-    pub(crate) fn divide(&mut self, parts: &[usize], wrong: &[f64]) -> bool {
+    /// Divides every interval into as many equal parts as `parts` has for it, and intervals that are much longer than a neighbour. Whether
+    /// anything changed: nothing does when there would be too many.
+    pub(crate) fn divide(&mut self, parts: &[usize]) -> bool {
         let mut nodes = vec![0.0];
-        let mut history = Vec::new();
-        for i in 0..self.history.len() {
+        for i in 0..self.count() {
             let n = parts[i].max(1);
-            let before = if n > 1 { [self.history[i][1], wrong[i]] } else { self.history[i] };
-            for k in 1..=n {
-                let x = self.nodes[i] + self.length(i) * (k as f64 / n as f64);
-                nodes.push(if k == n { self.nodes[i + 1] } else { x });
-                history.push(before);
-            }
+            nodes.extend((1..n).map(|k| self.nodes[i] + self.length(i) * (k as f64 / n as f64)));
+            nodes.push(self.nodes[i + 1]);
         }
         if nodes.len() == self.nodes.len() || nodes.len() > MOST_NODES {
             return false;
         }
-        (self.nodes, self.history) = (nodes, history);
+        self.nodes = nodes;
         let beside = |class: &Self, i: usize| {
             let left = i.checked_sub(1).map_or(f64::INFINITY, |j| class.length(j));
-            left.min(if i + 1 < class.history.len() { class.length(i + 1) } else { f64::INFINITY })
+            left.min(if i + 1 < class.count() { class.length(i + 1) } else { f64::INFINITY })
         };
-        while let Some(i) = (0..self.history.len()).find(|&i| self.length(i) > UNEVEN * beside(self, i)) {
+        while let Some(i) = (0..self.count()).find(|&i| self.length(i) > UNEVEN * beside(self, i)) {
             self.nodes.insert(i + 1, 0.5 * (self.nodes[i] + self.nodes[i + 1]));
-            self.history.insert(i, self.history[i]);
         }
         true
     }
@@ -129,7 +125,7 @@ impl Ruler {
 
     /// The nodes over `span`, break by break, appended.
     pub(crate) fn nodes(&self, classes: &[Class], span: [f64; 2], out: &mut Vec<Vec<f64>>) {
-        let count = self.halves.first().map_or(0, |h| classes[h.class].history.len());
+        let count = self.halves.first().map_or(0, |h| classes[h.class].count());
         let intervals = self.intervals(classes, span);
         for (i, interval) in intervals.iter().enumerate() {
             match out.last_mut() {
@@ -239,21 +235,19 @@ mod tests {
     #[test]
     fn nodes_are_refined_where_asked_and_graded_around_it() {
         let mut class = Class::new(4);
-        assert!(!class.divide(&[1; 4], &[0.0; 4]));
-        assert!(class.divide(&[4, 1, 1, 1], &[9.0, 0.0, 0.0, 0.0]));
+        assert!(!class.divide(&[1; 4]));
+        assert!(class.divide(&[4, 1, 1, 1]));
         assert_eq!(class.nodes[..5], [0.0, 0.0625, 0.125, 0.1875, 0.25]);
-        for i in 1..class.history.len() {
+        for i in 1..class.count() {
             let ratio = class.length(i) / class.length(i - 1);
             assert!(ratio < UNEVEN && ratio > 1.0 / UNEVEN);
         }
-        assert_eq!(class.history[0], [f64::INFINITY, 9.0]);
-        assert_eq!(class.nodes.len(), class.history.len() + 1);
     }
 
     #[test]
     fn both_halves_of_an_edge_meet_at_its_middle() {
         let mut classes = vec![Class::new(2), Class::new(3)];
-        classes[1].divide(&[2, 1, 1], &[0.0; 3]);
+        classes[1].divide(&[2, 1, 1]);
         let halves = vec![Half { class: 0, reversed: false }, Half { class: 1, reversed: true }];
         for broken in [false, true] {
             let ruler = Ruler { halves: halves.clone(), broken };
