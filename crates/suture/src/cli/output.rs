@@ -63,6 +63,11 @@ impl Output {
                 report.describe_step(&step);
                 Ok(path)
             }
+            Self::Model(path, Format::Glb) => {
+                let deviation = model.deviation.map(|d| &d.vertex_distances[..]);
+                export::write_glb(path, surface, tessellation, deviation)?;
+                Ok(path)
+            }
             Self::Model(path, format) => {
                 export::write(path, *format, surface, Some(tessellation))?;
                 Ok(path)
