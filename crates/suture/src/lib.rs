@@ -24,7 +24,7 @@ mod watch;
 pub use error::SutureError;
 pub use fill::{Filled, Unfilled, fill_and_measure};
 pub use flattening::ByChart;
-pub use page::{degrees, facets};
+pub use page::{degrees, facets, hull_of};
 pub use reconstruct::{Fairness, ReconstructOptions, Reconstruction, Splits, Stages, reconstruct, samples};
 pub use repair::repair_all;
 pub use report::Report;

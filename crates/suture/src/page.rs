@@ -62,6 +62,22 @@ pub(crate) fn hull(surface: &ApatchSurface) -> Vec<([DVec3; 4], bool)> {
     surface.cells().into_iter().filter_map(corners).collect()
 }
 
+/// The tetrahedra of the A-patches of a surface, and whether each belongs to an edge: what a saved surface still knows of its hull. Empty
+/// for other surfaces.
+pub fn hull_of(surface: &Surface) -> Vec<([DVec3; 4], bool)> {
+    let mut pool = SplinePool::default();
+    let mut all = Vec::new();
+    for patch in surface.patches() {
+        let edge = patch.kind() == PatchKind::Edge;
+        if edge || patch.kind() == PatchKind::Face {
+            // Faces and edges of another method have no tetrahedra.
+            let found = suture_apatch::tetrahedra(&patch.record(&mut pool)).unwrap_or_default();
+            all.extend(found.into_iter().map(|v| (v, edge)));
+        }
+    }
+    all
+}
+
 /// A mesh as a surface: one plane patch per face, joined along the edges that have two faces. Shows meshes with the means for surfaces.
 ///
 /// # Errors

@@ -8,7 +8,7 @@ use suture::certify::Deviation;
 use suture::mesh::TriMesh;
 use suture::segment::read_labels;
 use suture::view::PageModel;
-use suture::{ReconstructOptions, Report, SutureError, degrees, facets, samples};
+use suture::{ReconstructOptions, Report, SutureError, degrees, facets, hull_of, samples};
 
 use super::commands::{settings, summary};
 use super::progress::Progress;
@@ -82,6 +82,7 @@ pub(crate) fn run(a: &View, common: &args::Common, report: &mut Report) -> Resul
         deviation: deviation.as_ref(),
         mesh: mesh.as_ref(),
         labels: labels.as_deref(),
+        hull: hull_of(&surface),
         degrees: degrees(&surface),
         ..PageModel::new("", &surface, &tessellation)
     };
