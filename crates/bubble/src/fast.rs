@@ -112,21 +112,6 @@ fn horner<T: Lane, const L: usize, const C: usize>(c: &[f64], t: T, s: T) -> [[T
         let width = if C - first < 3 { C - first } else { 3 };
         let mut acc = [[zero; 3]; L];
         let mut i = pairs.len();
-        // The first coefficients reach low orders only.
-        let first_few = if L.div_ceil(2) * 2 <= i { L.div_ceil(2) * 2 } else { 0 };
-        if first_few > 0 {
-            for j in 0..L.div_ceil(2) * 2 {
-                let (row, x) = (&pairs[i - 1 - j], if j % 2 == 0 { s } else { t });
-                for e in 0..width {
-                    for k in (1..L.min(j + 1)).rev() {
-                        acc[k][e] = if k == j { acc[k - 1][e] } else { acc[k][e].mul_add(x, acc[k - 1][e]) };
-                    }
-                    let c = T::splat(row[first + e]);
-                    acc[0][e] = if j == 0 { c } else { acc[0][e].mul_add(x, c) };
-                }
-            }
-            i -= first_few;
-        }
         while i >= 2 {
             for (row, x) in [(&pairs[i - 1], s), (&pairs[i - 2], t)] {
                 for e in 0..width {
