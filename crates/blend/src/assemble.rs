@@ -71,9 +71,9 @@ pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -
                 }
                 let obstacle = |error| match error {
                     BlendError::ArcTooShort { corners, .. } => {
-                        Obstacle { corners: corners.to_vec(), error, chain: None }
+                        Obstacle { corners: corners.to_vec(), error, chain: None, arcs: Vec::new() }
                     }
-                    error => Obstacle { corners: Vec::new(), error, chain: None },
+                    error => Obstacle { corners: Vec::new(), error, chain: None, arcs: Vec::new() },
                 };
                 errors.into_iter().map(obstacle).collect()
             }
@@ -130,10 +130,14 @@ fn unusable(obstacles: Vec<Obstacle>) -> BlendError {
         .collect();
     segments.sort_unstable();
     segments.dedup();
+    let mut arcs: Vec<usize> =
+        obstacles.iter().filter(|o| !o.bearable()).flat_map(|o| &o.arcs).copied().collect();
+    arcs.sort_unstable();
+    arcs.dedup();
     let none = BlendError::Inconsistent { what: "no width was found in the attempts allowed".into() };
     match obstacles.into_iter().find(|o| !o.bearable()).map_or(none, |o| o.error) {
         first if segments.is_empty() => first,
-        first => BlendError::Obstacles { first: Box::new(first), segments },
+        first => BlendError::Obstacles { first: Box::new(first), segments, arcs },
     }
 }
 
@@ -155,6 +159,16 @@ pub(crate) enum StripAt {
     Corner { corner: usize, slot: usize },
     /// The `index`-th strip of the chain of an arc.
     Chain { arc: usize, index: usize },
+}
+
+impl StripAt {
+    /// The arc that it runs along.
+    pub(crate) fn arc(self, network: &Network) -> usize {
+        match self {
+            Self::Corner { corner, slot } => network.corners[corner].arcs[slot].arc,
+            Self::Chain { arc, .. } => arc,
+        }
+    }
 }
 
 /// The inner sides of all strips around a segment, counter-clockwise.

@@ -28,6 +28,8 @@ pub struct Obstacle {
     pub corners: Vec<usize>,
     /// The arc whose chain folds, if that is what is wrong.
     pub chain: Option<usize>,
+    /// The arcs that could be drawn differently.
+    pub arcs: Vec<usize>,
 }
 
 impl Obstacle {
@@ -56,15 +58,16 @@ pub fn check_maps(network: &Network, maps: &MapSet, widths: &[f64]) -> MapReport
         for (j, strip) in set.strips.iter().enumerate() {
             let sides = [network.segment(corner, j), network.segment(corner, (j + n - 1) % n)];
             let place = || format!("the strip beside corner {c} on arc {}", corner.arcs[j].arc);
-            let grid = check_strip(network, strip, sides, &[c], None, &place, &mut report);
-            let arc = &network.arcs[corner.arcs[j].arc];
-            check_apart(network, arc, grid, sides, widths[c], &[c], &place, &mut report);
+            let grid =
+                check_strip(network, strip, sides, &[c], corner.arcs[j].arc, false, &place, &mut report);
+            check_apart(network, corner.arcs[j].arc, grid, sides, widths[c], &[c], &place, &mut report);
         }
         for (j, map) in set.gon.iter().enumerate() {
             let segment = network.segment(corner, j);
             let points = gon::corners(n).into_iter().map(|p| map.jet(p).p);
             let place = || format!("the N-blend at corner {c}");
-            check_inside(&network.surfaces[segment], segment, points, &[c], &place, &mut report);
+            let arcs: Vec<usize> = corner.arcs.iter().map(|end| end.arc).collect();
+            check_inside(&network.surfaces[segment], segment, points, &[c], &arcs, &place, &mut report);
         }
     }
     for (a, chain) in maps.chains.iter().enumerate() {
@@ -74,9 +77,9 @@ pub fn check_maps(network: &Network, maps: &MapSet, widths: &[f64]) -> MapReport
             // Only the ends of a chain depend on one corner alone.
             let corners = arc.corners;
             let sides = [arc.right, arc.left];
-            let grid = check_strip(network, strip, sides, &corners, Some(a), &place, &mut report);
+            let grid = check_strip(network, strip, sides, &corners, a, true, &place, &mut report);
             let width = widths[corners[0]].max(widths[corners[1]]);
-            check_apart(network, arc, grid, sides, width, &corners, &place, &mut report);
+            check_apart(network, a, grid, sides, width, &corners, &place, &mut report);
         }
     }
     for segment in 0..network.surfaces.len() {
@@ -91,7 +94,8 @@ fn check_strip(
     strip: &StripMaps,
     sides: [usize; 2],
     corners: &[usize],
-    chain: Option<usize>,
+    arc: usize,
+    in_chain: bool,
     place: &dyn Fn() -> String,
     report: &mut MapReport,
 ) -> [Vec<Jet2<DVec2>>; 2] {
@@ -101,10 +105,15 @@ fn check_strip(
         report.jacobian = report.jacobian.min(ratio);
         if !(ratio > LEAST_JACOBIAN) {
             let error = BlendError::Fold { place: place(), segment, jacobian: ratio };
-            report.obstacles.push(Obstacle { error, corners: corners.to_vec(), chain });
+            report.obstacles.push(Obstacle {
+                error,
+                corners: corners.to_vec(),
+                chain: in_chain.then_some(arc),
+                arcs: vec![arc],
+            });
         }
         let points = grid.iter().map(|j| j.p);
-        check_inside(&network.surfaces[segment], segment, points, corners, place, report);
+        check_inside(&network.surfaces[segment], segment, points, corners, &[arc], place, report);
         grid
     })
 }
@@ -117,7 +126,7 @@ fn apart(network: &Network, [a, b]: [usize; 2], pairs: impl Iterator<Item = (DVe
 
 fn check_apart(
     network: &Network,
-    arc: &ArcCurve,
+    arc: usize,
     [down, up]: [Vec<Jet2<DVec2>>; 2],
     sides: [usize; 2],
     width: f64,
@@ -128,10 +137,13 @@ fn check_apart(
     let distance = apart(network, sides, down.iter().zip(&up).map(|(d, u)| (d.p, u.p)));
     let excess = distance - MOST_APART * width;
     // The gap on the arc matters to few strips.
-    let gap = || apart(network, [arc.left, arc.right], arc.samples.iter().map(|s| (s.left, s.right)));
+    let gap = || {
+        let ArcCurve { left, right, samples, .. } = &network.arcs[arc];
+        apart(network, [*left, *right], samples.iter().map(|s| (s.left, s.right)))
+    };
     if excess > 0.0 && excess > gap() {
         let error = BlendError::Apart { place: place(), segments: sides, distance: distance / width };
-        report.obstacles.push(Obstacle { error, corners: corners.to_vec(), chain: None });
+        report.obstacles.push(Obstacle { error, corners: corners.to_vec(), chain: None, arcs: vec![arc] });
     }
 }
 
@@ -163,6 +175,7 @@ fn check_inside(
     segment: usize,
     points: impl Iterator<Item = DVec2>,
     corners: &[usize],
+    arcs: &[usize],
     place: &dyn Fn() -> String,
     report: &mut MapReport,
 ) {
@@ -174,7 +187,12 @@ fn check_inside(
     // Rounding beside the border is continued polynomially and harmless.
     if outside > 1e-12 {
         let error = BlendError::OutsideDomain { place: place(), segment, overshoot: outside };
-        report.obstacles.push(Obstacle { error, corners: corners.to_vec(), chain: None });
+        report.obstacles.push(Obstacle {
+            error,
+            corners: corners.to_vec(),
+            chain: None,
+            arcs: arcs.to_vec(),
+        });
     }
 }
 
@@ -184,18 +202,25 @@ fn check_loop(network: &Network, maps: &MapSet, segment: usize, report: &mut Map
         return;
     };
     let mut points = Vec::new();
-    for edge in &edges {
+    for (e, edge) in edges.iter().enumerate() {
         for k in 0..LOOP_SAMPLES {
-            points.push((edge.curve.jet::<1>(k as f64 / LOOP_SAMPLES as f64)[0], edge.corners));
+            points.push((edge.curve.jet::<1>(k as f64 / LOOP_SAMPLES as f64)[0], e));
         }
     }
     let n = points.len();
     let area: f64 = (0..n).map(|i| points[i].0.perp_dot(points[(i + 1) % n].0)).sum();
-    let mut blame = |corners: Vec<usize>| {
-        report.obstacles.push(Obstacle { error: BlendError::Overlap { segment }, corners, chain: None });
+    let mut blame = |guilty: &[usize]| {
+        let arcs = guilty.iter().map(|&e| edges[e].strip.arc(network)).collect();
+        let corners = guilty.iter().flat_map(|&e| edges[e].corners).collect();
+        report.obstacles.push(Obstacle {
+            error: BlendError::Overlap { segment },
+            corners,
+            chain: None,
+            arcs,
+        });
     };
     if !(area > 0.0) {
-        blame(edges.iter().flat_map(|e| e.corners).collect());
+        blame(&(0..edges.len()).collect::<Vec<_>>());
         return;
     }
     // Sweep over the sides in the order of their left ends.
@@ -214,7 +239,7 @@ fn check_loop(network: &Network, maps: &MapSet, segment: usize, report: &mut Map
             let adjacent = (i + 1) % n == j || (j + 1) % n == i;
             if !adjacent && cross([points[i].0, points[(i + 1) % n].0], [points[j].0, points[(j + 1) % n].0])
             {
-                blame([points[i].1, points[j].1].concat());
+                blame(&[points[i].1, points[j].1]);
                 return;
             }
         }

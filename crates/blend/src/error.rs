@@ -119,6 +119,8 @@ pub enum BlendError {
         first: Box<BlendError>,
         /// The segments into which maps fold, overlap or leave the domain, ascending: splitting them may help.
         segments: Vec<usize>,
+        /// The arcs along which that happens, ascending: drawing them differently may help.
+        arcs: Vec<usize>,
     },
     /// Patches and seams do not form a surface.
     #[error(transparent)]

@@ -7,19 +7,21 @@ use crate::Cells;
 /// Newton steps per round, and the longest step per coordinate in cells.
 const STEPS: usize = 2;
 const LONGEST: f64 = 0.3;
-/// A triangle keeps at least this part of its area; otherwise all displacements are halved, at most so often.
-const KEPT_AREA: f64 = 0.1;
-const HALVINGS: usize = 3;
+/// A triangle keeps at least this part of the area that it had before all corrections; otherwise the displacements of its vertices are
+/// halved, and in the second half of so many rounds taken back.
+const KEPT_AREA: f64 = 0.3;
+const HALVINGS: usize = 8;
 
 /// The corrected parameters, or `None` when no admissible displacement was found.
 ///
-/// A vertex that does not come closer keeps its parameter; the corrected triangles keep their orientation and a tenth of their
-/// area.
+/// A vertex that does not come closer keeps its parameter; the corrected triangles keep their orientation and three tenths of the area
+/// that they have in the `original` parameters.
 pub(crate) fn correct(
     cells: &Cells,
     net: &[DVec3],
     points: &[DVec3],
     params: &[DVec2],
+    original: &[DVec2],
     triangles: &[[u32; 3]],
 ) -> Option<Vec<DVec2>> {
     let mut shift: Vec<DVec2> =
@@ -27,20 +29,26 @@ pub(crate) fn correct(
     if shift.iter().all(|&s| s == DVec2::ZERO) {
         return None;
     }
-    for _ in 0..=HALVINGS {
+    let area = |p: &[DVec2], t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| p[v as usize]);
+        (b - a).perp_dot(c - a)
+    };
+    // Only the vertices of what would flip hold back; the last halving takes them back altogether.
+    for halving in 0..=HALVINGS {
         let moved: Vec<DVec2> = params.iter().zip(&shift).map(|(&p, &s)| p + s).collect();
-        let area = |p: &[DVec2], t: &[u32; 3]| {
-            let [a, b, c] = t.map(|v| p[v as usize]);
-            (b - a).perp_dot(c - a)
-        };
-        let kept = |t: &[u32; 3]| {
-            let (old, new) = (area(params, t), area(&moved, t));
+        let kept = |t: &&[u32; 3]| {
+            let (old, new) = (area(original, t), area(&moved, t));
             old == 0.0 || new * old.signum() >= KEPT_AREA * old.abs()
         };
-        if triangles.iter().all(kept) && moved.iter().all(|&p| cells.covers(p)) {
+        let mut held: Vec<u32> = triangles.iter().filter(|t| !kept(t)).flatten().copied().collect();
+        held.extend((0..moved.len() as u32).filter(|&v| !cells.covers(moved[v as usize])));
+        if held.is_empty() {
             return Some(moved);
         }
-        shift.iter_mut().for_each(|s| *s *= 0.5);
+        held.sort_unstable();
+        held.dedup();
+        let part = if halving < HALVINGS / 2 { 0.5 } else { 0.0 };
+        held.into_iter().for_each(|v| shift[v as usize] *= part);
     }
     None
 }
@@ -100,9 +108,9 @@ mod tests {
         let params = [DVec2::new(2.0, 2.0), DVec2::new(2.2, 2.0), DVec2::new(2.0, 2.2)];
         // The points are reflected: the foot points flip the triangle.
         let points = [DVec3::new(2.15, 2.15, 0.0), DVec3::new(2.0, 2.15, 0.0), DVec3::new(2.15, 2.0, 0.0)];
-        let moved = correct(&Cells::all(grid), &net, &points, &params, &[[0, 1, 2]]).unwrap();
+        let moved = correct(&Cells::all(grid), &net, &points, &params, &params, &[[0, 1, 2]]).unwrap();
         let area = |p: &[DVec2]| (p[1] - p[0]).perp_dot(p[2] - p[0]);
-        assert!(area(&moved) >= 0.1 * area(&params));
+        assert!(area(&moved) >= KEPT_AREA * area(&params));
         assert!(moved[0] != params[0]);
     }
 }

@@ -69,6 +69,9 @@ const CORRECTION_STIFFNESS: f64 = 10.0;
 const NOISE_LIMITED: f64 = 10.0;
 /// Residual that finer knots must leave of a noisy one to be called noise (a noisy sphere: 0.97 to 1.03; coarse clean meshes: 0.3 to 0.8).
 const NOISE_STAYS: f64 = 0.85;
+/// Largest residual, in root mean squares, from which it is no noise but detail: of a normal distribution not one vertex in 10⁶ lies
+/// that far out.
+const LOCAL: f64 = 5.0;
 /// How often the guards may raise λ tenfold.
 const GUARD_INCREASES: usize = 4;
 /// By how much they may raise the residual.
@@ -99,7 +102,7 @@ pub fn fit(input: &FitInput<'_>, options: &FitOptions) -> Result<Fit, FitError> 
         if round.within(options) {
             return round.finish(&chart, order, rounds, corrections, Outcome::Tolerance);
         }
-        let noisy = round.noise_limited && options.mode == Mode::Data;
+        let noisy = round.noise_limited && options.mode == Mode::Data && round.max <= LOCAL * round.rms;
         let last = if noisy { Outcome::Noise } else { Outcome::Limit };
         // Rounding of √2 · √2 must neither cost a round nor add one at h = e.
         if knots.cells.is_some() || chart.vertices < FEW || h <= finest * (1.0 + 1e-9) {
@@ -262,7 +265,9 @@ impl Round {
             return Ok(false);
         }
         let cells = self.system.cells();
-        let Some(params) = correct(cells, &self.net, &chart.points, &self.params, chart.triangles) else {
+        let Some(params) =
+            correct(cells, &self.net, &chart.points, &self.params, &chart.params, chart.triangles)
+        else {
             return Ok(false);
         };
         self.system = self.system.relocate(&params, &chart.weights)?;

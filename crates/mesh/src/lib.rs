@@ -24,7 +24,7 @@
 //! bounding box of the vertices in use. Results depend on the order of vertices and faces only where it is said.
 //!
 //! When not to use it: quad or polygon meshes (they are triangulated on reading), colours and texture coordinates (dropped),
-//! point clouds, remeshing, boolean operations, closest points and rays.
+//! point clouds, remeshing beyond local refinement, boolean operations, closest points and rays.
 
 #![forbid(unsafe_code)]
 
@@ -35,6 +35,7 @@ pub mod io;
 mod loops;
 mod measure;
 pub mod normals;
+mod refine;
 pub mod repair;
 mod report;
 pub mod shapes;
@@ -47,6 +48,7 @@ pub use check::check;
 pub use error::{MeshError, Place};
 pub use measure::{dihedral_angle, median_edge_length, vertex_normals_area_weighted};
 pub use normals::{EstimateNormals, NormalsError};
+pub use refine::{RefineOptions, Refined, refine_curved};
 pub use report::{
     BadIndex, BoundaryLoop, CoincidentVertex, Component, DuplicateFace, Listed, MeshReport, MisorientedEdge,
     NonManifoldEdge,

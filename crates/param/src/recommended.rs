@@ -8,7 +8,8 @@ use crate::symmetric_dirichlet::{Descent, flips};
 use crate::{BoundaryScaleOne, Distortion, Limits, ParamError, Parameterize, Tutte};
 
 /// The default: [`BoundaryScaleOne`]; where it flips or its area ratio exceeds 4, a few iterations of
-/// [`SymmetricDirichlet`](crate::SymmetricDirichlet) from it, or from [`Tutte`] where it flips.
+/// [`SymmetricDirichlet`](crate::SymmetricDirichlet) from it, or from [`Tutte`] where it flips. Where parts far apart in space land on
+/// each other, the descent starts from [`Tutte`] again and ends before that happens: a fit over such a map would be two-valued.
 ///
 /// The result has no flips. It may exceed the limits: see [`Distortion::accepted`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +48,10 @@ impl Parameterize for Recommended {
                 self.descend(&sheet, uv, self.most, self.from_tutte, &measure)?
             }
         };
+        if measure(&uv)?.overlaps > 0 {
+            let uv_on_disc = Tutte.parameterize(positions, faces)?;
+            uv = self.descend_apart(&sheet, uv_on_disc, &measure)?;
+        }
         normalize(positions, faces, &mut uv)?;
         if let Some((count, face)) = flips(&sheet, &uv) {
             return Err(ParamError::Flips { method: "Recommended", count, faces: faces.len(), face });
@@ -74,5 +79,31 @@ impl Recommended {
             }
         }
         Ok(descent.parameters())
+    }
+
+    /// As far down from a map onto a disc as nothing lands on something else.
+    fn descend_apart(
+        &self,
+        sheet: &Sheet<'_>,
+        start: Vec<DVec2>,
+        measure: &dyn Fn(&[DVec2]) -> Result<Distortion, ParamError>,
+    ) -> Result<Vec<DVec2>, ParamError> {
+        let mut descent = Descent::new(sheet, start)?;
+        let mut best = descent.parameters();
+        for _ in 0..self.from_tutte {
+            if !descent.step()? {
+                break;
+            }
+            let next = descent.parameters();
+            let distortion = measure(&next)?;
+            if distortion.overlaps > 0 {
+                break;
+            }
+            best = next;
+            if distortion.accepted {
+                break;
+            }
+        }
+        Ok(best)
     }
 }

@@ -99,7 +99,7 @@ pub fn fair_arc(mesh: &TriMesh, topology: &Topology, chain: &[u32], options: &Fa
         };
         // Later rounds only remove what the pulling back added.
         let mu = if round == 0 { mu } else { mu / 16.0 };
-        let smooth = smooth(&targets, &weights, mu);
+        let smooth = smooth_line(&targets, &weights, mu);
         for (point, p) in points.iter_mut().zip(smooth) {
             *point = nearest(mesh, topology, point.face, p);
         }
@@ -140,8 +140,9 @@ fn creased(mesh: &TriMesh, topology: &Topology, chain: &[u32], angle: f64) -> Ve
 /// Largest turn, in radians, between consecutive edges of a crease: 40°.
 const STRAIGHT: f64 = 0.7;
 
-/// Minimises `Σ w |p − q|² + μ Σ |p_{i−1} − 2 p_i + p_{i+1}|²` by a Cholesky factorisation of its pentadiagonal matrix.
-fn smooth(targets: &[DVec3], weights: &[f64], mu: f64) -> Vec<DVec3> {
+/// Minimises `Σ w |p − q|² + μ Σ |p_{i−1} − 2 p_i + p_{i+1}|²` over the points `p` of an open polyline, by a Cholesky factorisation
+/// of its pentadiagonal matrix. Weights are positive; `targets` and `weights` have the same length.
+pub fn smooth_line(targets: &[DVec3], weights: &[f64], mu: f64) -> Vec<DVec3> {
     let n = targets.len();
     // a[i] = [diagonal, first, second superdiagonal]
     let mut a: Vec<[f64; 3]> = weights.iter().map(|&w| [w, 0.0, 0.0]).collect();

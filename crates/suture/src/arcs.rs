@@ -4,10 +4,11 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use suture_bernstein::BSplineSurface;
 use suture_blend::{ArcCurve, ArcEnd, ArcSample, Corner, CornerMaps, Network, WidthOptions};
 use suture_mesh::{Topology, TriMesh};
-use suture_segment::{FairOptions, MeshPoint, Segmentation, balance_corners, fair_arc};
+use suture_segment::{FairOptions, MeshPoint, Segmentation, balance_corners, fair_arc, smooth_line};
 
 use crate::SutureError;
 use crate::charting::Charted;
@@ -23,20 +24,43 @@ pub(crate) struct ArcLine {
 /// three widths does only at an amplitude of half a width.
 const FAIR_WIDTHS: f64 = 1.5;
 
-/// Multiples of that length that are tried in turn when no width fits.
-pub(crate) const STRAIGHTNESS: [f64; 4] = [1.0, 0.5, 3.0, 0.2];
+/// How an arc is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drawing {
+    /// Multiple of the usual length below which bends are smoothed away.
+    straightness: f64,
+    /// Where its parameters are: at the foot points on the B-splines, or where the triangles of the charts say. The former are as
+    /// smooth as the B-splines, the latter never fold, however far off the B-splines are.
+    feet: bool,
+}
 
-/// All arcs as polylines on the mesh; bends shorter than `straightness` times the usual cutoff are smoothed away, and arcs that
-/// leave a corner too close to each other are turned apart.
+/// The drawings that are tried in turn where no width fits.
+pub(crate) const DRAWINGS: [Drawing; 8] = [
+    Drawing { straightness: 1.0, feet: true },
+    Drawing { straightness: 0.5, feet: true },
+    Drawing { straightness: 1.0, feet: false },
+    Drawing { straightness: 3.0, feet: true },
+    Drawing { straightness: 0.5, feet: false },
+    Drawing { straightness: 3.0, feet: false },
+    Drawing { straightness: 0.2, feet: true },
+    Drawing { straightness: 0.2, feet: false },
+];
+
+/// All arcs as polylines on the mesh, each by the drawing of its number in [`DRAWINGS`]; arcs that leave a corner too close to each other
+/// are turned apart.
 pub(crate) fn arc_lines(
     mesh: &TriMesh,
     topology: &Topology,
     segmentation: &Segmentation,
     options: &ReconstructOptions,
-    straightness: f64,
+    drawings: &[usize],
 ) -> Vec<ArcLine> {
-    let lines: Vec<ArcLine> =
-        segmentation.arcs.iter().map(|arc| arc_line(mesh, topology, arc, options, straightness)).collect();
+    let lines: Vec<ArcLine> = segmentation
+        .arcs
+        .par_iter()
+        .zip(drawings)
+        .map(|(arc, &d)| arc_line(mesh, topology, arc, options, DRAWINGS[d].straightness))
+        .collect();
     if options.fair == Fairness::Edges {
         return lines;
     }
@@ -157,12 +181,13 @@ pub(crate) fn network(
     charted: &[Charted],
     lines: Vec<ArcLine>,
     options: &ReconstructOptions,
-    straightness: f64,
+    drawings: &[usize],
     warnings: &mut Vec<String>,
 ) -> Result<Network, SutureError> {
     let diagonal = mesh.diagonal();
+    let edge = suture_mesh::median_edge_length(mesh);
     // As far as a fit may miss the mesh and still be meant.
-    let tolerance = 0.25 * suture_mesh::median_edge_length(mesh);
+    let tolerance = 0.25 * edge;
     let arcs = segmentation
         .arcs
         .iter()
@@ -170,9 +195,11 @@ pub(crate) fn network(
         .enumerate()
         .map(|(a, (arc, line))| {
             let start = segmentation.corners[arc.corners[0]].vertex;
+            let Drawing { straightness, feet } = DRAWINGS[drawings[a]];
+            let cutoff = (!feet).then(|| straightness * FAIR_WIDTHS * options.widths.wanted * diagonal);
             let sides = |line: &ArcLine| {
                 let side = |segment: u32, line: &[MeshPoint]| {
-                    parameters(&charted[segment as usize], start, line, tolerance)
+                    parameters(&charted[segment as usize], start, line, tolerance, cutoff)
                 };
                 Some((side(arc.left, &line.left)?, side(arc.right, &line.right)?))
             };
@@ -261,8 +288,15 @@ const FOOT_STEPS: usize = 8;
 
 /// Parameters of a polyline that starts at mesh vertex `start` on the border of the segment: foot points on its surface. Of several
 /// copies of a face in the collar the one that continues the line is meant; where the line leaves the collar the foot points
-/// go on from the last one. `None` where they do not find the line within `tolerance`.
-fn parameters(charted: &Charted, start: u32, line: &[MeshPoint], tolerance: f64) -> Option<Vec<DVec2>> {
+/// go on from the last one. `None` where they do not find the line within `tolerance`. With a `cutoff` the parameters are those of the
+/// triangles, smoothed over that length.
+fn parameters(
+    charted: &Charted,
+    start: u32,
+    line: &[MeshPoint],
+    tolerance: f64,
+    cutoff: Option<f64>,
+) -> Option<Vec<DVec2>> {
     let Charted { chart, fit, .. } = charted;
     let disc = &chart.disc;
     let corner = disc
@@ -273,12 +307,17 @@ fn parameters(charted: &Charted, start: u32, line: &[MeshPoint], tolerance: f64)
         .flat_map(|(face, _)| *face)
         .find(|&v| disc.vertices[v as usize] == start)?;
     let mut at = chart.uv[corner as usize];
-    line.iter()
+    let found: Option<Vec<DVec2>> = line
+        .iter()
         .map(|point| {
             let known = chart
                 .copies(point.face)
                 .map(|copy| chart.at(copy, point.barycentric))
                 .min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)));
+            if let (Some(known), Some(_)) = (known, cutoff) {
+                at = known;
+                return Some(at);
+            }
             let foot = foot_point(&fit.surface, point.position, known.unwrap_or(at));
             let inside = fit.cells.covers(foot);
             at = match known {
@@ -296,5 +335,24 @@ fn parameters(charted: &Charted, start: u32, line: &[MeshPoint], tolerance: f64)
                 known.is_some() || inside && fit.surface.jet(at).p.distance(point.position) <= tolerance;
             found.then_some(at)
         })
-        .collect()
+        .collect();
+    match cutoff {
+        Some(cutoff) => {
+            found.map(|line_at| smooth_parameters(&line_at, cutoff * line_at.len() as f64 / length(line)))
+        }
+        None => found,
+    }
+}
+
+/// Parameters without the bends shorter than `cutoff` steps; the ends stay.
+fn smooth_parameters(line: &[DVec2], cutoff: f64) -> Vec<DVec2> {
+    let last = line.len() - 1;
+    let targets: Vec<DVec3> = line.iter().map(|p| p.extend(0.0)).collect();
+    let weights: Vec<f64> = (0..=last).map(|i| if i == 0 || i == last { 1e12 } else { 1.0 }).collect();
+    // As for arcs: a wave of the length of the cutoff is halved.
+    let mu = (cutoff / std::f64::consts::TAU).powi(4);
+    let mut smooth: Vec<DVec2> =
+        smooth_line(&targets, &weights, mu).into_iter().map(|p| p.truncate()).collect();
+    (smooth[0], smooth[last]) = (line[0], line[last]);
+    smooth
 }

@@ -40,21 +40,55 @@ pub(crate) struct Charted {
     pub(crate) reach: f64,
 }
 
-/// Share of a segment's residual that both of its parts must undercut for the split to be kept: noise stays what it is however
-/// small the parts.
+/// Share of a segment's residual that its parts must undercut together, or one of them alone, for the split to be kept: noise stays what
+/// it is however small the parts.
 const WORTH: f64 = 0.8;
+const WORTH_ALONE: f64 = 0.5;
+/// Largest residual, in root mean squares, from which it is no noise but a place that the chart cannot follow; it stays in one of the parts
+/// and has to be cut out of that next.
+const LOCAL: f64 = 5.0;
 
+/// Area ratio beyond which a chart is split: knots a median edge apart are ten edges apart where it is squeezed.
+const SQUEEZED: f64 = 100.0;
+
+/// Largest residual that a fit may have, in tolerances.
+const MOST_OFF: f64 = 5.0;
 impl Charted {
-    /// Whether the segment had better be split: its chart folds, or its fit misses the tolerance.
+    /// Whether the segment had better be split: its chart folds or is squeezed, or its fit misses the tolerance.
     pub(crate) fn poor(&self, tolerance: f64) -> bool {
-        self.chart.distortion.flips > 0 || self.fit.report.rms > tolerance
+        let report = &self.fit.report;
+        self.folded() || self.squeezed() || report.rms > tolerance || report.max > MOST_OFF * tolerance
     }
 
-    /// Whether two parts fit better than this whole.
+    /// How much there is to gain from splitting the segment.
+    pub(crate) fn badness(&self) -> f64 {
+        if self.folded() { f64::INFINITY } else { self.fit.report.max }
+    }
+
+    /// Whether the flattening flips triangles or lands on itself.
+    fn folded(&self) -> bool {
+        self.chart.distortion.flips + self.chart.distortion.overlaps > 0
+    }
+
+    /// Whether the flattening squeezes a part so much that knots cannot follow it.
+    fn squeezed(&self) -> bool {
+        self.chart.distortion.area_ratio > SQUEEZED
+    }
+
+    /// Whether two parts are better than this whole.
     pub(crate) fn worse_than(&self, parts: [&Charted; 2]) -> bool {
-        let folds = |c: &Charted| c.chart.distortion.flips > 0;
-        let better = parts.iter().all(|part| part.fit.report.rms < WORTH * self.fit.report.rms);
-        !parts.iter().any(|part| folds(part)) && (better || folds(self))
+        let (whole, [a, b]) = (self.fit.report.rms, parts.map(|p| p.fit.report.rms));
+        let [m, n] = parts.map(|p| p.fit.report.vertices as f64);
+        let together = ((m * a * a + n * b * b) / (m + n)).sqrt();
+        let alone = if self.fit.report.max > LOCAL * whole { WORTH } else { WORTH_ALONE };
+        let closer = together < WORTH * whole || a.min(b) < alone * whole;
+        let folded = parts.iter().filter(|part| part.folded()).count();
+        let squeezed = parts.iter().filter(|part| part.squeezed()).count();
+        match (self.folded(), self.squeezed()) {
+            (true, _) => folded < 2,
+            (false, true) => folded == 0 && (closer || squeezed < 2),
+            (false, false) => folded == 0 && closer,
+        }
     }
 }
 

@@ -25,7 +25,9 @@ pub use error::SutureError;
 pub use fill::{Filled, Unfilled, fill_and_measure};
 pub use flattening::ByChart;
 pub use page::{degrees, facets, hull_of};
-pub use reconstruct::{Fairness, ReconstructOptions, Reconstruction, Splits, Stages, reconstruct, samples};
+pub use reconstruct::{
+    Fairness, ReconstructOptions, Reconstruction, Refinement, Splits, Stages, reconstruct, samples,
+};
 pub use repair::repair_all;
 pub use report::Report;
 pub use sew::{NormalSource, SewOptions, Sewn, sew_apatch, sew_bubble, sew_creased, vertex_normals};

@@ -6,12 +6,12 @@ use std::time::Instant;
 use suture_blend::{Blend, BlendError, CornerMaps, Correspondence, Intent, WidthOptions};
 use suture_certify::{Certificate, CertifyOptions, Deviation, SurfaceSamples, certify, deviation};
 use suture_fit::{Fit, FitOptions, FitSurface, PenalizedLeastSquares};
-use suture_mesh::{Topology, TriMesh};
+use suture_mesh::{RefineOptions, Topology, TriMesh, refine_curved};
 use suture_param::{Chart, CollarOptions, Parameterize, Recommended};
 use suture_segment::{Automatic, FairOptions, Limits, Segment, Segmentation, split_charts};
 use suture_tessellate::{Tessellation, TessellationOptions, tessellate};
 
-use crate::arcs::{ArcLine, STRAIGHTNESS, arc_lines, collar_widths, network};
+use crate::arcs::{DRAWINGS, arc_lines, collar_widths, network};
 use crate::charting::{Charted, Charting, chart_all};
 use crate::{ByChart, Stage, SutureError, Watch};
 
@@ -48,12 +48,49 @@ pub struct ReconstructOptions {
     pub widths: WidthOptions,
     /// How arcs are taken from the mesh.
     pub fair: Fairness,
+    /// How fine the mesh is made first.
+    pub refinement: Refinement,
     /// When segments are split.
     pub splits: Splits,
     /// Fineness of the tessellation.
     pub tessellation: TessellationOptions,
     /// Density and limits of the certificate.
     pub certify: CertifyOptions,
+}
+
+/// How fine a mesh must be for blends to follow it. Coarser triangles are split with curved midpoints ([`refine_curved`]): fits over few
+/// and unequal triangles waver between the vertices, and the blends fold with them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refinement {
+    /// Longest edge, in wanted widths of the blends.
+    pub longest: f64,
+    /// Largest angle between the normals at the ends of an edge, in radians.
+    pub turn: f64,
+    /// Shortest edge that this may lead to, in wanted widths.
+    pub shortest: f64,
+    /// Dihedral angle, in radians, from which an edge is meant to be sharp.
+    pub crease: f64,
+    /// Most rounds of splitting; 0 takes the mesh as it is.
+    pub rounds: usize,
+}
+
+impl Default for Refinement {
+    fn default() -> Self {
+        let (turn, crease) = (40f64.to_radians(), 50f64.to_radians());
+        Self { longest: 1.0, turn, shortest: 0.15, crease, rounds: 3 }
+    }
+}
+
+impl Refinement {
+    fn resolve(&self, width: f64) -> RefineOptions {
+        RefineOptions {
+            longest: self.longest * width,
+            turn: self.turn,
+            shortest: self.shortest * width,
+            crease: self.crease,
+            rounds: self.rounds,
+        }
+    }
 }
 
 /// When segments are split in two and charted again.
@@ -68,14 +105,14 @@ pub struct Splits {
 
 impl Default for Splits {
     fn default() -> Self {
-        Self { rounds: 4, tolerance: Some(1e-3) }
+        Self { rounds: 8, tolerance: Some(1e-3) }
     }
 }
 
 impl Splits {
     /// How many charts splitting may add to `charts`.
     fn most_charts(&self, charts: usize) -> usize {
-        if self.rounds == 0 { 0 } else { (charts / 2).max(8) }
+        if self.rounds == 0 { 0 } else { charts.max(8) }
     }
 }
 
@@ -100,8 +137,12 @@ impl Default for Fairness {
 /// A reconstructed surface with every stage's product.
 #[derive(Debug)]
 pub struct Reconstruction {
-    /// Segments, corners and arcs.
+    /// The mesh that was fitted: the given one, refined where it is coarse. Its first vertices are those of the given mesh.
+    pub mesh: TriMesh,
+    /// Segments, corners and arcs of that mesh.
     pub segmentation: Segmentation,
+    /// The segment of every face of the given mesh; that of one of its parts where a border runs through it.
+    pub labels: Vec<u32>,
     /// Chart of every segment, in the parameters of its B-spline.
     pub charts: Vec<Chart>,
     /// B-spline of every segment, with its report.
@@ -134,17 +175,28 @@ pub fn reconstruct(
     let mut warnings = Vec::new();
     let topology = clock.run(Stage::Mesh, 1, || Ok(Topology::build(mesh)?))?;
     let diagonal = mesh.diagonal();
-    let mut segmentation = clock.run(Stage::Segment, 1, || Ok(stages.segment.segment(mesh, &topology)?))?;
+    let coarse = clock.run(Stage::Segment, 1, || Ok(stages.segment.segment(mesh, &topology)?))?;
+    let valence = coarse.corners.iter().map(|c| c.arcs.len()).fold(MOST_SEGMENTS, usize::max);
+    let limits = Limits { max_valence: valence };
+    let original = mesh;
+    let refined = refine_curved(mesh, &options.refinement.resolve(options.widths.wanted * diagonal))?;
+    let mesh = &refined.mesh;
+    let topology = Topology::build(mesh)?;
+    if mesh.faces.len() > original.faces.len() {
+        let (before, after) = (original.faces.len(), mesh.faces.len());
+        warnings
+            .push(format!("{before} triangles were split into {after} where they are coarse for the blends"));
+    }
+    let labels: Vec<u32> = refined.parents.iter().map(|&f| coarse.labels[f as usize]).collect();
+    let mut segmentation = Segmentation::from_labels_with(mesh, &topology, &labels, limits)?;
 
     let sharp = match options.widths.intent {
         Intent::Fidelity => CollarOptions::default().sharp,
         Intent::Fillet => std::f64::consts::PI,
     };
-    let valence = segmentation.corners.iter().map(|c| c.arcs.len()).fold(MOST_SEGMENTS, usize::max);
-    let limits = Limits { max_valence: valence };
     let most = segmentation.charts.len() + options.splits.most_charts(segmentation.charts.len());
     let all_charted = |clock: &mut Clock<'_>, segmentation: &Segmentation, known: Vec<Option<Charted>>| {
-        let lines = arc_lines(mesh, &topology, segmentation, options, STRAIGHTNESS[0]);
+        let lines = arc_lines(mesh, &topology, segmentation, options, &vec![0; segmentation.arcs.len()]);
         let collars =
             collar_widths(mesh, segmentation, &lines, &options.widths, stages.maps.as_ref(), diagonal);
         let context = Charting {
@@ -167,10 +219,12 @@ pub fn reconstruct(
     if let Some(tolerance) = options.splits.tolerance {
         let mut resists: Vec<Vec<u32>> = Vec::new();
         for _ in 0..options.splits.rounds {
-            let poor: Vec<usize> = (0..charted.len())
+            let mut poor: Vec<usize> = (0..charted.len())
                 .filter(|&s| charted[s].poor(tolerance) && !resists.contains(&segmentation.charts[s].faces))
-                .take(most.saturating_sub(segmentation.charts.len()))
                 .collect();
+            // The worst first, should there be too many.
+            poor.sort_by(|&a, &b| charted[b].badness().total_cmp(&charted[a].badness()).then(a.cmp(&b)));
+            poor.truncate(most.saturating_sub(segmentation.charts.len()));
             let trial = split_charts(mesh, &topology, &segmentation, &poor, limits)?;
             if trial.charts.len() == segmentation.charts.len() {
                 break;
@@ -193,9 +247,8 @@ pub fn reconstruct(
     // What cannot be blended is split as well.
     let mut round = 0;
     let blend = loop {
-        let lines = arc_lines(mesh, &topology, &segmentation, options, STRAIGHTNESS[0]);
         let sewn = clock.run(Stage::Blend, 1, || {
-            sew(mesh, &topology, &segmentation, &charted, lines, stages, options, &mut warnings)
+            sew(mesh, &topology, &segmentation, &charted, stages, options, watch, &mut warnings)
         });
         let error = match sewn {
             Ok(blend) => break blend,
@@ -221,12 +274,18 @@ pub fn reconstruct(
         clock.run(Stage::Tessellate, 1, || Ok(tessellate(&blend.surface, &options.tessellation)?))?;
     let certificate =
         clock.run(Stage::Certify, 1, || Ok(certify(&blend.surface, diagonal, &options.certify)?))?;
-    let deviation =
-        clock.run(Stage::Deviation, 1, || Ok(deviation(mesh, &blend.surface, &samples(&tessellation))?))?;
+    let deviation = clock
+        .run(Stage::Deviation, 1, || Ok(deviation(original, &blend.surface, &samples(&tessellation))?))?;
     let seconds = clock.seconds;
     let (charts, fits) = charted.into_iter().map(|c| (c.chart, c.fit)).unzip();
+    let mut labels = vec![0; original.faces.len()];
+    for (&parent, &label) in refined.parents.iter().zip(&segmentation.labels) {
+        labels[parent as usize] = label;
+    }
     Ok(Reconstruction {
+        mesh: refined.mesh,
         segmentation,
+        labels,
         charts,
         fits,
         blend,
@@ -271,38 +330,50 @@ impl Clock<'_> {
     }
 }
 
-/// Blends the charts; arcs that no width fits on are drawn more or less straight.
+/// How often arcs are drawn anew before the blends are given up.
+const REDRAWINGS: usize = 12;
+
+/// Blends the charts; arcs along which no width fits are drawn in other ways.
 fn sew(
     mesh: &TriMesh,
     topology: &Topology,
     segmentation: &Segmentation,
     charted: &[Charted],
-    lines: Vec<ArcLine>,
     stages: &Stages<'_>,
     options: &ReconstructOptions,
+    watch: &dyn Watch,
     warnings: &mut Vec<String>,
 ) -> Result<Blend, SutureError> {
-    let mut failure = None;
-    let mut lines = Some(lines);
-    for &straightness in &STRAIGHTNESS {
-        let lines =
-            lines.take().unwrap_or_else(|| arc_lines(mesh, topology, segmentation, options, straightness));
+    let mut drawings = vec![0; segmentation.arcs.len()];
+    let mut fewest: Option<(usize, BlendError)> = None;
+    for _ in 0..REDRAWINGS {
+        if watch.interrupted() {
+            return Err(SutureError::Interrupted);
+        }
+        let lines = arc_lines(mesh, topology, segmentation, options, &drawings);
         let mut notes = Vec::new();
-        let network =
-            network(mesh, topology, segmentation, charted, lines, options, straightness, &mut notes)?;
-        match suture_blend::blend(&network, stages.maps.as_ref(), &options.widths) {
+        let network = network(mesh, topology, segmentation, charted, lines, options, &drawings, &mut notes)?;
+        let error = match suture_blend::blend(&network, stages.maps.as_ref(), &options.widths) {
             Ok(blend) => {
                 warnings.append(&mut notes);
                 return Ok(blend);
             }
-            Err(error) => failure = failure.or(Some(error)),
+            Err(error) => error,
+        };
+        let (arcs, segments): (Vec<usize>, usize) = match &error {
+            BlendError::Obstacles { arcs, segments, .. } => (arcs.clone(), segments.len()),
+            _ => ((0..drawings.len()).collect(), usize::MAX),
+        };
+        if fewest.as_ref().is_none_or(|(least, _)| segments < *least) {
+            fewest = Some((segments, error));
         }
         if options.fair == Fairness::Edges {
             break;
         }
+        arcs.into_iter().for_each(|a| drawings[a] = (drawings[a] + 1) % DRAWINGS.len());
     }
     let none = || SutureError::Internal { what: "no way to draw the arcs was tried".into() };
-    Err(failure.map_or_else(none, SutureError::from))
+    Err(fewest.map_or_else(none, |(_, error)| SutureError::from(error)))
 }
 
 /// The segments that a failure of the blends names.

@@ -37,6 +37,9 @@ pub(super) struct Layout {
     /// Directions of the arcs in (e₁, e₂), and the sectors between arc i and arc i + 1.
     directions: Vec<f64>,
     sectors: Vec<f64>,
+    /// How far along arc i the corners of the N-gon on either side lie, seen in the charts: where these are steep against the
+    /// tangent plane, farther than in it.
+    along: Vec<f64>,
     width: f64,
 }
 
@@ -53,13 +56,11 @@ impl Layout {
         let e1 = normal.any_orthonormal_vector();
         let axes = [e1, normal.cross(e1)];
         let origin = rays[0].sample(0.0).position;
-        let directions: Vec<f64> = rays
+        let arcs: Vec<DVec3> = rays
             .iter()
-            .map(|ray| {
-                let d = ray.sample((DIRECTION_AT * s).min(ray.length())).position - origin;
-                d.dot(axes[1]).atan2(d.dot(axes[0]))
-            })
+            .map(|ray| ray.sample((DIRECTION_AT * s).min(ray.length())).position - origin)
             .collect();
+        let directions: Vec<f64> = arcs.iter().map(|d| d.dot(axes[1]).atan2(d.dot(axes[0]))).collect();
         let sectors: Vec<f64> =
             (0..n).map(|i| (directions[(i + 1) % n] - directions[i]).rem_euclid(TAU)).collect();
         // Any order but the counter-clockwise one winds more than once.
@@ -76,7 +77,22 @@ impl Layout {
             })
             .collect();
         let plane = harmonic(&corners)?;
-        let layout = Self { origin, axes, normal, plane, directions, sectors, width: s };
+        // Along the lines onto the tangent planes of the charts.
+        let met: Vec<DVec3> = corners
+            .iter()
+            .zip(&normals)
+            .map(|(r, n)| {
+                let y = axes[0] * r.x + axes[1] * r.y;
+                y - normal * (y.dot(*n) / normal.dot(*n))
+            })
+            .collect();
+        let along = (0..n)
+            .map(|i| {
+                let arc = arcs[i].normalize_or_zero();
+                met[i].dot(arc).max(met[(i + n - 1) % n].dot(arc))
+            })
+            .collect();
+        let layout = Self { origin, axes, normal, plane, directions, sectors, along, width: s };
         let unfolded = gon_samples(n).into_iter().all(|p| {
             let jet = layout.plane.jet(p);
             jet.du.perp_dot(jet.dv) > 0.0
@@ -95,7 +111,8 @@ impl Layout {
         let cot = |alpha: f64| (1.0 / (0.5 * alpha).tan()).min(CAP);
         let n = self.sectors.len();
         let beside = cot(self.sectors[i]).max(cot(self.sectors[(i + n - 1) % n]));
-        self.width * (0.5 * beside.max(LEAST_COT) + GAP)
+        let flat = self.width * (0.5 * beside.max(LEAST_COT) + GAP);
+        flat.max(self.along[i] + self.width * GAP)
     }
 
     /// Length of the strip between the N-gon and the first cross line of arc `i`, on its shorter side.
@@ -104,7 +121,7 @@ impl Layout {
         let r = gon::corners(n);
         let ray = DVec2::from_angle(self.directions[i]);
         let along = |p: DVec2| self.plane.jet(p).p.dot(ray);
-        self.reach(i) - along(r[i]).max(along(r[(i + n - 1) % n]))
+        self.reach(i) - along(r[i]).max(along(r[(i + n - 1) % n])).max(self.along[i])
     }
 
     /// Speed |D_ν L| of the layout across the middle of the edge that faces arc `i`.

@@ -178,6 +178,9 @@ pub(crate) struct Shape {
     /// Let arcs follow the mesh edges, as in the paper, instead of fair curves on the mesh
     #[arg(long)]
     pub(crate) edge_arcs: bool,
+    /// Fit the triangles as they are, however coarse for the blends, instead of splitting them with curved midpoints
+    #[arg(long)]
+    pub(crate) keep_mesh: bool,
     /// Largest distance of the tessellation's chords from the surface
     #[arg(long, value_name = "LENGTH")]
     pub(crate) chord: Option<f64>,

@@ -146,7 +146,7 @@ fn reconstruct_command(
             certificate: Some(&result.certificate),
             deviation: Some(&result.deviation),
             mesh: Some(&mesh),
-            labels: Some(&result.segmentation.labels),
+            labels: Some(&result.labels),
             degrees: degrees(&result.blend.surface),
             ..PageModel::new("", &result.blend.surface, &result.tessellation)
         },
@@ -187,6 +187,9 @@ fn options(a: &args::Reconstruct) -> ReconstructOptions {
     options.splits = Splits { rounds: shape.splits, tolerance };
     if shape.edge_arcs {
         options.fair = Fairness::Edges;
+    }
+    if shape.keep_mesh {
+        options.refinement.rounds = 0;
     }
     if let Some(chord) = shape.chord {
         options.tessellation.chord = chord;

@@ -141,7 +141,7 @@ impl Made {
             Self::Reconstruct(r) => PageModel {
                 certificate: Some(&r.certificate),
                 deviation: Some(&r.deviation),
-                labels: Some(&r.segmentation.labels),
+                labels: Some(&r.labels),
                 ..PageModel::new(name, &r.blend.surface, &r.tessellation)
             },
             Self::Apatch(s) => sewn(name, s),
