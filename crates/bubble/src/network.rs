@@ -254,15 +254,18 @@ impl Network {
     }
 }
 
-/// The creases as pairs of edges, and the bends of edges, ascending: edge, curve, whether it stands instead of a height.
+/// An edge, its curve, and whether that stands instead of a height.
+type Bent = (u32, Vec<DVec3>, bool);
+
+/// The creases as pairs of edges, and the bends of edges, ascending.
 fn bent(
     mesh: &PolyMesh,
     implicits: &[Implicit],
     edges: &Edges,
     contact: usize,
     shapes: &Shapes,
-) -> (Vec<[u32; 2]>, Vec<(u32, Vec<DVec3>, bool)>) {
-    let mut curves = Vec::new();
+) -> (Vec<[u32; 2]>, Vec<Bent>) {
+    let mut curves: Vec<Bent> = Vec::new();
     let mut creases = Vec::with_capacity(shapes.creases.len());
     for sides in &shapes.creases {
         let find = |s: [u32; 2]| edges.edges.binary_search_by_key(&s, |e| e.vertices).ok();

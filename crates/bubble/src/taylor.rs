@@ -13,7 +13,7 @@ use crate::{
 
 impl BubblePatch {
     /// Coefficients of `δu^i δv^j`, `i + j ≤ 4`, of the patch about `at`, as `[i][j]`; the others are zero. What verifies orders three
-    /// and four; [`jet`](Patch::jet) is faster.
+    /// and four; [`jet`](suture_surface::Patch::jet) is faster.
     pub fn taylor(&self, at: DVec2) -> [[DVec3; 5]; 5] {
         let h = match self.order {
             0 => self.height_taylor::<0>(at),

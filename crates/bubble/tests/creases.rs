@@ -128,7 +128,8 @@ fn vertices_that_no_normal_suits_keep_their_seams() {
         .flat_map(|f| f.map(|v| v as usize))
         .filter(|&v| v != pole)
         .collect();
-    mesh.positions[pole] += 1.4 * (mesh.positions[ring[0]] - mesh.positions[pole]) - 0.6 * DVec3::Z;
+    let towards = mesh.positions[ring[0]] - mesh.positions[pole];
+    mesh.positions[pole] += 1.4 * towards - 0.6 * DVec3::Z;
     let mesh = with_normals(&mesh);
     for order in 0..3 {
         let options = BubbleOptions { order, refuse: 0.0, ..Default::default() };

@@ -196,7 +196,7 @@ pub(crate) fn network(
         .map(|(a, (arc, line))| {
             let start = segmentation.corners[arc.corners[0]].vertex;
             let Drawing { straightness, feet } = DRAWINGS[drawings[a]];
-            let cutoff = (!feet).then(|| straightness * FAIR_WIDTHS * options.widths.wanted * diagonal);
+            let cutoff = (!feet).then_some(straightness * FAIR_WIDTHS * options.widths.wanted * diagonal);
             let sides = |line: &ArcLine| {
                 let side = |segment: u32, line: &[MeshPoint]| {
                     parameters(&charted[segment as usize], start, line, tolerance, cutoff)

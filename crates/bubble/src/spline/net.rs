@@ -91,7 +91,7 @@ impl SplinePatch {
         }
         let bad = |_| BubbleError::NotFinitePatch { face: 0 };
         let points = BSplineSurface::new([most; 2], [knots.clone(), knots.clone()], net).map_err(bad)?;
-        let weights = if patch.count == 3 && n > 0 || patch.count == 3 && !height.is_empty() {
+        let weights = if patch.count == 3 && (n > 0 || !height.is_empty()) {
             let (f, g) = (weight.0.elevate(most).spline(), weight.1.elevate(most).spline());
             let net = f.iter().flat_map(|f| g.iter().map(move |g| f * g)).collect();
             Some(BSplineSurface::new([most; 2], [knots.clone(), knots], net).map_err(bad)?)
