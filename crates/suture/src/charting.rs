@@ -48,6 +48,9 @@ const WORTH_ALONE: f64 = 0.5;
 /// and has to be cut out of that next.
 const LOCAL: f64 = 5.0;
 
+/// Largest residual that a part may have, in those of the whole: a sliver that no chart fits is worse than what it was cut from.
+const MOST_WORSE: f64 = 1.5;
+
 /// Area ratio beyond which a chart is split: knots a median edge apart are ten edges apart where it is squeezed.
 const SQUEEZED: f64 = 100.0;
 
@@ -81,7 +84,9 @@ impl Charted {
         let [m, n] = parts.map(|p| p.fit.report.vertices as f64);
         let together = ((m * a * a + n * b * b) / (m + n)).sqrt();
         let alone = if self.fit.report.max > LOCAL * whole { WORTH } else { WORTH_ALONE };
-        let closer = together < WORTH * whole || a.min(b) < alone * whole;
+        let farthest = parts.iter().map(|p| p.fit.report.max).fold(0.0, f64::max);
+        let closer = (together < WORTH * whole || a.min(b) < alone * whole)
+            && farthest <= MOST_WORSE * self.fit.report.max;
         let folded = parts.iter().filter(|part| part.folded()).count();
         let squeezed = parts.iter().filter(|part| part.squeezed()).count();
         match (self.folded(), self.squeezed()) {
