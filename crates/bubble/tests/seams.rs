@@ -147,10 +147,13 @@ fn patches_are_loaded_to_the_same_bits() {
             assert_eq!(loaded.domain(), patch.domain());
         }
     }
-    let mut broken =
+    let whole =
         bubble(&mesh, &BubbleOptions::default()).unwrap().patches()[0].record(&mut SplinePool::default());
-    broken.data["jets"] = serde_json::json!([1.0]);
-    assert!(load(&broken, &SplinePool::default()).is_err());
+    for field in ["order", "corners", "implicits", "reversed"] {
+        let mut broken = whole.clone();
+        broken.data[field] = serde_json::json!([1.0]);
+        assert!(load(&broken, &SplinePool::default()).is_err(), "{field}");
+    }
 }
 
 #[test]
@@ -177,9 +180,12 @@ fn bad_input_is_refused_with_the_place() {
         try_with(&|m| m.positions[1] = m.positions[0]),
         Err(BubbleError::CoincidentVertices { edge: [0, 1] })
     ));
-    // An edge along its own normal.
-    let along = try_with(&|m| m.normals[0] = (m.positions[1] - m.positions[0]).normalize());
-    assert!(matches!(along, Err(BubbleError::Degenerate { .. })), "{along:?}");
+    // An edge along its own normal: turned, or refused where normals are to stay.
+    let mut along = good.clone();
+    along.normals[0] = (along.positions[1] - along.positions[0]).normalize();
+    assert_eq!(bubble(&along, &BubbleOptions::default()).unwrap().report().turned, 1);
+    let kept = bubble(&along, &BubbleOptions { steer: 0.0, ..Default::default() });
+    assert!(matches!(kept, Err(BubbleError::Degenerate { .. })), "{:?}", kept.err());
     assert!(matches!(
         bubble(&good, &BubbleOptions { order: 5, ..Default::default() }),
         Err(BubbleError::Order { order: 5, limit: 4 })

@@ -174,7 +174,8 @@ mod tests {
             let jumps = [8, 32].map(|k| {
                 let options = SplineOptions { intervals: Intervals::Count(k), exact_height: true };
                 let splines = spline_surface(&s, &options).unwrap();
-                assert!(splines.position < 1e-14, "{}", splines.position);
+                // Both sides of a seam sum some hundred products of size one.
+                assert!(splines.position < 200.0 * f64::EPSILON, "{}", splines.position);
                 splines.normal
             });
             assert!(order == 0 || jumps[0] > 60.0 * jumps[1], "{order} {jumps:?}");
