@@ -256,7 +256,7 @@ pub fn reconstruct(
         };
         let mut blamed = blamed(&error);
         blamed.truncate(most.saturating_sub(segmentation.charts.len()));
-        if round == options.splits.rounds || blamed.is_empty() {
+        if round == options.splits.rounds.min(MOST_RESEWN) || blamed.is_empty() {
             return Err(error);
         }
         round += 1;
@@ -330,8 +330,10 @@ impl Clock<'_> {
     }
 }
 
-/// How often arcs are drawn anew before the blends are given up.
-const REDRAWINGS: usize = 12;
+/// How often arcs are drawn before the blends are given up: every drawing once, and the first ones again beside what has changed.
+const REDRAWINGS: usize = 10;
+/// Most rounds of splitting what cannot be blended: each one sews everything anew.
+const MOST_RESEWN: usize = 4;
 
 /// Blends the charts; arcs along which no width fits are drawn in other ways.
 fn sew(
