@@ -351,21 +351,26 @@ fn powers(x: f64) -> [[f64; 9]; 3] {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::{BubbleOptions, Face, PolyMesh, bubble};
     use glam::DVec3;
     use suture_surface::Patch;
 
-    #[test]
-    fn the_fast_and_the_general_way_agree() {
+    /// A skew quad and a triangle on its upper side.
+    pub(crate) fn quad_and_triangle() -> PolyMesh {
         let positions =
             [[0.0, 0.0, 0.0], [1.0, 0.1, 0.2], [1.3, 1.2, -0.1], [-0.1, 0.9, 0.3], [0.5, 1.9, 0.4]];
         let normals =
             [[-0.2, -0.3, 1.0], [0.3, -0.2, 0.9], [0.2, 0.25, 1.1], [-0.1, 0.2, 1.0], [0.0, 0.4, 0.9]];
         let faces = vec![Face::Quad([0, 1, 2, 3]), Face::Triangle([3, 2, 4])];
         let [positions, normals] = [positions, normals].map(|x| x.map(DVec3::from_array).to_vec());
-        let mesh = PolyMesh { positions, normals, faces };
+        PolyMesh { positions, normals, faces }
+    }
+
+    #[test]
+    fn the_fast_and_the_general_way_agree() {
+        let mesh = quad_and_triangle();
         for order in 0..3 {
             for pairing in [Pairing::Mean, Pairing::Single([1, 2, 0])] {
                 let s = bubble(&mesh, &BubbleOptions { order, pairing, ..Default::default() }).unwrap();

@@ -128,23 +128,13 @@ fn jump(patches: &[SplinePatch], seam: &Seam, intervals: usize) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BubbleOptions, Face, PolyMesh, bubble};
-    use glam::{DVec2, DVec3};
-
-    fn mesh() -> PolyMesh {
-        let positions =
-            [[0.0, 0.0, 0.0], [1.0, 0.1, 0.2], [1.3, 1.2, -0.1], [-0.1, 0.9, 0.3], [0.5, 1.9, 0.4]];
-        let normals =
-            [[-0.2, -0.3, 1.0], [0.3, -0.2, 0.9], [0.2, 0.25, 1.1], [-0.1, 0.2, 1.0], [0.0, 0.4, 0.9]];
-        let faces = vec![Face::Quad([0, 1, 2, 3]), Face::Triangle([3, 2, 4])];
-        let [positions, normals] = [positions, normals].map(|x| x.map(DVec3::from_array).to_vec());
-        PolyMesh { positions, normals, faces }
-    }
+    use crate::{BubbleOptions, bubble, height::tests::quad_and_triangle};
+    use glam::DVec2;
 
     #[test]
     fn nets_are_the_patches_and_have_the_stated_degrees() {
         for order in 0..3 {
-            let s = bubble(&mesh(), &BubbleOptions { order, ..Default::default() }).unwrap();
+            let s = bubble(&quad_and_triangle(), &BubbleOptions { order, ..Default::default() }).unwrap();
             for exact_height in [false, true] {
                 let options = SplineOptions { intervals: Intervals::Count(6), exact_height };
                 let splines = spline_surface(&s, &options).unwrap();
@@ -170,7 +160,7 @@ mod tests {
     #[test]
     fn more_intervals_bring_the_exact_surface() {
         for order in 0..3 {
-            let s = bubble(&mesh(), &BubbleOptions { order, ..Default::default() }).unwrap();
+            let s = bubble(&quad_and_triangle(), &BubbleOptions { order, ..Default::default() }).unwrap();
             let jumps = [8, 32].map(|k| {
                 let options = SplineOptions { intervals: Intervals::Count(k), exact_height: true };
                 let splines = spline_surface(&s, &options).unwrap();
@@ -180,7 +170,7 @@ mod tests {
             });
             assert!(order == 0 || jumps[0] > 60.0 * jumps[1], "{order} {jumps:?}");
         }
-        let s = bubble(&mesh(), &BubbleOptions { order: 1, ..Default::default() }).unwrap();
+        let s = bubble(&quad_and_triangle(), &BubbleOptions { order: 1, ..Default::default() }).unwrap();
         let options = |intervals| SplineOptions { intervals, exact_height: false };
         let made = spline_surface(&s, &options(Intervals::Angle(1e-6))).unwrap();
         assert!(made.normal <= 1e-6 && made.intervals > 4);
