@@ -31,8 +31,7 @@ const FARTHEST: f64 = -0.3;
 const LEAST_LIFT: f64 = 1e-3;
 
 /// What does not depend on the direction.
-pub(crate) struct Site<'a> {
-    corners: &'a Corners,
+pub(crate) struct Site {
     sides: [bool; 2],
     c: DVec3,
     /// Square root of the area.
@@ -43,6 +42,8 @@ pub(crate) struct Site<'a> {
     pub(crate) units: [DVec3; 3],
     /// `m_k` at the centroid.
     at: [f64; 3],
+    /// The gradients of `m_k`: affine functions of the apex.
+    rise: [DVec3; 3],
     /// `(p_l − c)·g_l / |g_l|`.
     below: [f64; 3],
 }
@@ -59,14 +60,13 @@ pub(crate) struct Placed {
     pub(crate) rises: bool,
 }
 
-impl<'a> Site<'a> {
-    pub(crate) fn new(corners: &'a Corners, class: Class, options: &ApatchOptions) -> Self {
+impl Site {
+    pub(crate) fn new(corners: &Corners, class: Class, options: &ApatchOptions) -> Self {
         let [a, b, c] = corners.p;
         let ell = (0.5 * (b - a).cross(c - a).length()).sqrt();
         let (normal, units) = normals(corners);
         let c = corners.centroid();
         Self {
-            corners,
             sides: class.sides(),
             c,
             ell,
@@ -75,6 +75,7 @@ impl<'a> Site<'a> {
             normal,
             units,
             at: corners.m(c, &corners.h(c)),
+            rise: corners.m_gradients(),
             below: [0, 1, 2].map(|l| (corners.p[l] - c).dot(units[l])),
         }
     }
@@ -84,27 +85,21 @@ impl<'a> Site<'a> {
         (self.units[0] + self.units[1] + self.units[2]).normalize_or_zero()
     }
 
+    /// The normals of the face and its corners.
+    fn facing(&self) -> [DVec3; 4] {
+        [self.normal, self.units[0], self.units[1], self.units[2]]
+    }
+
     /// Centre of the smallest cap of directions around the face normal and the vertex normals: it rises above all of them if any does.
     pub(crate) fn cap_centre(&self) -> DVec3 {
-        let all = [self.normal, self.units[0], self.units[1], self.units[2]];
-        let mut best = (f64::NEG_INFINITY, self.normal);
-        let mut offer = |d: DVec3| {
-            let least = all.iter().fold(f64::INFINITY, |m, v| m.min(v.dot(d)));
-            if least > best.0 {
-                best = (least, d);
-            }
-        };
-        for i in 0..4 {
-            for j in 0..i {
-                offer((all[i] + all[j]).normalize_or_zero());
-                for k in 0..j {
-                    let d = (all[i] - all[j]).cross(all[j] - all[k]).normalize_or_zero();
-                    offer(d);
-                    offer(-d);
-                }
-            }
-        }
-        best.1
+        cap_centre(&self.facing())
+    }
+
+    /// The same with the gradients of the `m_k`: every `m_k` grows along it too if there is such a direction.
+    pub(crate) fn rising_centre(&self) -> DVec3 {
+        let [a, b, c] = self.rise.map(DVec3::normalize_or_zero);
+        let [n, x, y, z] = self.facing();
+        cap_centre(&[n, x, y, z, a, b, c])
     }
 
     /// Least cosine between a direction and the normals.
@@ -124,13 +119,11 @@ impl<'a> Site<'a> {
             let t = self.below[l] / d.dot(self.units[l]);
             (up, down) = (up.max(t + self.eps), down.min(t - self.eps));
         }
-        let high = self.c + d * self.ell;
-        let to = self.corners.m(high, &self.corners.h(high));
         let mut rises = true;
         for k in 0..3 {
-            let slope = to[k] - self.at[k];
+            let slope = d.dot(self.rise[k]);
             if slope > 0.0 {
-                let t = -self.at[k] * self.ell / slope;
+                let t = -self.at[k] / slope;
                 (up, down) = (up.max(t), down.min(t));
             } else {
                 rises = false;
@@ -157,11 +150,12 @@ impl<'a> Site<'a> {
         // Normals far on the other side are a mistake of the input, not a steep place.
         let facing = self.units.iter().all(|g| g.dot(self.normal) > FARTHEST);
         let mut best: Option<(f64, Apexes)> = None;
-        for i in 0..3 {
+        for i in 0..4 {
             let d = match i {
                 0 => self.normal,
                 1 => self.mean(),
-                _ => self.cap_centre(),
+                2 => self.cap_centre(),
+                _ => self.rising_centre(),
             };
             let placed = self.place(d);
             if self.is_good(&placed) {
@@ -184,4 +178,26 @@ impl<'a> Site<'a> {
 pub(crate) fn normals(corners: &Corners) -> (DVec3, [DVec3; 3]) {
     let [a, b, c] = corners.p;
     ((b - a).cross(c - a).normalize_or_zero(), corners.g.map(DVec3::normalize_or_zero))
+}
+
+/// Centre of the smallest cap around unit vectors, by the two or three on its rim.
+fn cap_centre(all: &[DVec3]) -> DVec3 {
+    let mut best = (f64::NEG_INFINITY, all.first().copied().unwrap_or_default());
+    let mut offer = |d: DVec3| {
+        let least = all.iter().fold(f64::INFINITY, |m, v| m.min(v.dot(d)));
+        if least > best.0 {
+            best = (least, d);
+        }
+    };
+    for i in 0..all.len() {
+        for j in 0..i {
+            offer((all[i] + all[j]).normalize_or_zero());
+            for k in 0..j {
+                let d = (all[i] - all[j]).cross(all[j] - all[k]).normalize_or_zero();
+                offer(d);
+                offer(-d);
+            }
+        }
+    }
+    best.1
 }

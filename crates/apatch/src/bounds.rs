@@ -1,7 +1,8 @@
 //! Proofs that every ray meets the surface once: branch and bound over faces and edges (specification, section 6).
 //!
 //! On a cell of rays, the smallest Bernstein coefficients of `B₀..B₃` are the coefficients of a cubic below all their shooting
-//! polynomials; what [`Shooting::required`] asks of that one suffices for all. Cells that are not settled are halved.
+//! polynomials; what [`Shooting::required`] asks of that one suffices for all. That is more than some rays need, however small the cell;
+//! with the largest coefficients as well it comes down to it ([`Shooting::required_up_to`]). Cells that are not settled are halved.
 
 use std::collections::BinaryHeap;
 
@@ -50,9 +51,8 @@ impl FaceCells<'_> {
         x
     }
 
-    /// Lower bounds of the coefficients on a cell for the apex weight `b`, multiplied by the sign of the side.
-    fn lower(&self, piece: usize, cell: &Triangle, b: f64) -> Shooting {
-        let s = self.side.sign;
+    /// Lower bounds of the coefficients, times `s`, on a cell for the apex weight `b`.
+    fn lower(&self, s: f64, piece: usize, cell: &Triangle, b: f64) -> Shooting {
         let b0 = match &self.form.base {
             Base::Split(cubics) => cubics[piece].lower(cell, s),
             Base::Rational { cubic, w } => {
@@ -126,12 +126,17 @@ pub(crate) fn certify_face(form: &FaceForm, side: &FaceSide, b: f64, limit: usiz
     let mut seen = 0;
     while let Some((piece, cell)) = open.pop() {
         seen += 1;
-        if cells.lower(piece, &cell, b).is_content() {
+        let low = cells.lower(side.sign, piece, &cell, b);
+        if low.is_content() {
             continue;
         }
+        let middle = cells.middle(piece, &cell, b);
         // Not `>=`: what is not a number is not proven.
-        if !(cells.middle(piece, &cell, b).required_sharp(1.0) < 0.0) {
+        if !(middle.required_sharp(1.0) < 0.0) {
             return Verdict::Violated;
+        }
+        if low.required_up_to(&cells.lower(-side.sign, piece, &cell, b).negative()) < 0.0 {
+            continue;
         }
         if seen >= limit {
             return Verdict::Undecided;
@@ -153,27 +158,26 @@ pub struct FaceBound {
 }
 
 /// A cell in the queue, the one that asks for most first.
-struct Ranked {
+struct Ranked<C> {
     required: f64,
-    piece: usize,
-    cell: Triangle,
+    cell: C,
 }
 
-impl PartialEq for Ranked {
+impl<C> PartialEq for Ranked<C> {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Ranked {}
+impl<C> Eq for Ranked<C> {}
 
-impl PartialOrd for Ranked {
+impl<C> PartialOrd for Ranked<C> {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Ranked {
+impl<C> Ord for Ranked<C> {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         self.required.total_cmp(&other.required)
     }
@@ -182,9 +186,8 @@ impl Ord for Ranked {
 /// Both bounds, no further apart than `gap` unless the allowance of cells is used up.
 pub(crate) fn bound_face(form: &FaceForm, side: &FaceSide, gap: f64, limit: usize) -> FaceBound {
     let cells = FaceCells { form, side };
-    // The sharp value and that of Lemma 2.3, which cells can come down to, at their middles.
-    let (mut attained, mut lemma) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-    let mut heap: BinaryHeap<Ranked> = BinaryHeap::new();
+    let mut attained = f64::NEG_INFINITY;
+    let mut heap: BinaryHeap<Ranked<(usize, Triangle)>> = BinaryHeap::new();
     let mut fresh = cells.start();
     let mut seen = 0;
     loop {
@@ -192,19 +195,20 @@ pub(crate) fn bound_face(form: &FaceForm, side: &FaceSide, gap: f64, limit: usiz
             seen += 1;
             let middle = cells.middle(piece, &cell, 0.0);
             attained = attained.max(middle.required_sharp(1.0));
-            lemma = lemma.max(middle.required(1.0));
-            let required = cells.lower(piece, &cell, 0.0).required(1.0);
+            let low = cells.lower(side.sign, piece, &cell, 0.0);
+            let required = low.required_up_to(&cells.lower(-side.sign, piece, &cell, 0.0).negative());
             if required > f64::NEG_INFINITY {
-                heap.push(Ranked { required, piece, cell });
+                heap.push(Ranked { required, cell: (piece, cell) });
             }
         }
         let Some(top) = heap.pop() else {
             return FaceBound { attained, proven: attained, cells: seen };
         };
-        if top.required <= lemma + gap || seen >= limit || !top.required.is_finite() {
+        if top.required <= attained + gap || seen >= limit || !top.required.is_finite() {
             return FaceBound { attained, proven: top.required.max(attained), cells: seen };
         }
-        fresh.extend(halves(&top.cell).map(|cell| (top.piece, cell)));
+        let (piece, cell) = top.cell;
+        fresh.extend(halves(&cell).map(|cell| (piece, cell)));
     }
 }
 
@@ -235,9 +239,8 @@ fn restrict<const N: usize>(mut c: [f64; N], lo: f64, hi: f64) -> [f64; N] {
     c
 }
 
-/// Lower bounds of the coefficients on a box of rays.
-fn edge_lower(form: &EdgeForm, side: &EdgeSide, [xi, y]: Box2) -> Shooting {
-    let s = side.sign;
+/// Lower bounds of the coefficients, times `s`, on a box of rays.
+fn edge_lower(form: &EdgeForm, side: &EdgeSide, s: f64, [xi, y]: Box2) -> Shooting {
     let least = |c: &[f64]| c.iter().fold(f64::INFINITY, |m, c| m.min(s * c));
     let b0 = least(&restrict([0.0, form.e[0], form.e[1], 0.0], xi[0], xi[1]));
     let rows = side.b1.map(|row| restrict(row, xi[0], xi[1]));
@@ -255,30 +258,42 @@ fn edge_lower(form: &EdgeForm, side: &EdgeSide, [xi, y]: Box2) -> Shooting {
 /// Parameters along and across an edge.
 pub(crate) type Box2 = [[f64; 2]; 2];
 
-/// Whether every ray of an edge has a simple minimal root on a side; where not, the cell whose middle has none.
+/// Whether every ray of an edge has a simple minimal root on a side; where that is not proven, the cell that asks for most.
 pub(crate) fn certify_edge(form: &EdgeForm, side: &EdgeSide, limit: usize) -> (Verdict, Option<Box2>) {
-    let mut open: Vec<Box2> = spans(form, side.sign).into_iter().map(|s| [s, [0.0, 1.0]]).collect();
+    let mut fresh: Vec<Box2> = spans(form, side.sign).into_iter().map(|s| [s, [0.0, 1.0]]).collect();
+    let mut open: BinaryHeap<Ranked<Box2>> = BinaryHeap::new();
     let mut seen = 0;
-    while let Some(cell) = open.pop() {
-        seen += 1;
-        if edge_lower(form, side, cell).is_content() {
-            continue;
+    loop {
+        for cell in fresh.drain(..) {
+            seen += 1;
+            let low = edge_lower(form, side, side.sign, cell);
+            if low.is_content() {
+                continue;
+            }
+            let [x, y] = cell.map(|[a, b]| 0.5 * (a + b));
+            let middle = form.shooting(side, x, y);
+            if !(middle.required_sharp(1.0) < 0.0) {
+                return (Verdict::Violated, Some(cell));
+            }
+            let required = low.required_up_to(&edge_lower(form, side, -side.sign, cell).negative());
+            // Not `>=`: what is not a number is not proven.
+            if !(required < 0.0) {
+                open.push(Ranked { required, cell });
+            }
+        }
+        // The most demanding first: if a ray is not content, it is found before the allowance is spent on others.
+        let Some(Ranked { cell, .. }) = open.pop() else { return (Verdict::Proven, None) };
+        if seen >= limit {
+            return (Verdict::Undecided, Some(cell));
         }
         let [x, y] = cell.map(|[a, b]| 0.5 * (a + b));
-        if !(form.shooting(side, x, y).required_sharp(1.0) < 0.0) {
-            return (Verdict::Violated, Some(cell));
-        }
-        if seen >= limit {
-            return (Verdict::Undecided, None);
-        }
         let [wide, high] = cell.map(|[a, b]| b - a);
         if wide > high {
-            open.extend([[[cell[0][0], x], cell[1]], [[x, cell[0][1]], cell[1]]]);
+            fresh.extend([[[cell[0][0], x], cell[1]], [[x, cell[0][1]], cell[1]]]);
         } else {
-            open.extend([[cell[0], [cell[1][0], y]], [cell[0], [y, cell[1][1]]]]);
+            fresh.extend([[cell[0], [cell[1][0], y]], [cell[0], [y, cell[1][1]]]]);
         }
     }
-    (Verdict::Proven, None)
 }
 
 /// An increment of the weights of the two faces beside an edge, times the sign of the side.

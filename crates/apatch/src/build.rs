@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
+use suture_mesh::normals::{AngleWeighted, EstimateNormals, LoopLimit, smallest_cap};
 use suture_mesh::{Topology, TriMesh};
 
 use crate::bounds::{Raise, Verdict, bound_face, certify_edge, certify_face, raise_edge};
@@ -12,13 +13,22 @@ use crate::edge::{EdgeForm, EdgeSide};
 use crate::face::{Base, FaceForm, FaceSide};
 use crate::hull::{Class, Hull, against, opposite_vertex};
 use crate::report::{ApatchReport, ClassCounts};
-use crate::{ApatchError, ApatchOptions, ApatchSurface, ApexWeight, intersect, refine};
+use crate::unfold::Unfolded;
+use crate::{ApatchError, ApatchOptions, ApatchSurface, ApexWeight, intersect, refine, unfold};
 
 /// Smallest height of a face over its longest edge, relative to that edge.
 const LEAST_HEIGHT: f64 = 1e-12;
 
 /// Rounds in which edges may raise the weights of their faces.
 const ROUNDS: usize = 16;
+
+/// So many faces, and one of so many, may be in trouble for refinement to be tried.
+const SOME: usize = 64;
+
+/// So many bad edges may be turned by trial.
+const FEW: usize = 8;
+
+const MANY: usize = 20;
 
 /// How many times more cells an edge may take whose sampled rays are all content.
 const CLOSER: usize = 16;
@@ -41,38 +51,267 @@ pub fn apatch(
     options: &ApatchOptions,
 ) -> Result<ApatchSurface, ApatchError> {
     options.check(mesh.faces.len())?;
-    let mut topology = Topology::build(mesh)?;
+    let topology = Topology::build(mesh)?;
     check(mesh, normals)?;
-    let mut mesh = TriMesh { normals: Some(normals.to_vec()), ..mesh.clone() };
+    let mesh = TriMesh { normals: Some(normals.to_vec()), ..mesh.clone() };
     let input = (mesh.positions.len(), mesh.faces.len());
-    let mut parents: Vec<u32> = (0..mesh.faces.len() as u32).collect();
-    let mut hull = Hull::new(&mesh, gradients(&mesh), &topology, options);
-    let mut rounds = 0;
-    while rounds < options.refinements {
-        let mut faces = hull.faces_to_refine(&topology);
-        faces.extend(hull.hopeless.iter().map(|h| h.0));
-        if faces.is_empty() {
-            break;
-        }
-        let Some(finer) = refine::butterfly(&mesh, &topology, &faces, |h| hull.is_straight(h)) else { break };
-        let trial = Topology::build(&finer.mesh)?;
-        let next = Hull::new(&finer.mesh, gradients(&finer.mesh), &trial, options);
-        // A round that makes matters worse is the last one, and is taken back.
-        if next.hopeless.len() > hull.hopeless.len()
-            || (next.hopeless.len() == hull.hopeless.len() && next.trouble() > 2 * hull.trouble())
-        {
-            break;
-        }
-        parents = finer.parents.iter().map(|&p| parents[p as usize]).collect();
-        (mesh, topology, hull) = (finer.mesh, trial, next);
-        rounds += 1;
-    }
+    let parents: Vec<u32> = (0..mesh.faces.len() as u32).collect();
+    let mut work = Work { hull: Hull::new(&mesh, gradients(&mesh), &topology, options), mesh, topology, parents, mended: Mended::default() };
+    let free = if options.estimated { 0 } else { input.0 };
+    work.mend(free, options)?;
+    let rounds = work.refine(free, options)?;
+    let Work { mesh, topology, hull, parents, mended } = work;
     if let Some(&(face, k)) = hull.hopeless.first() {
         return Err(against(&mesh, &hull.corners[face], face, k));
     }
     let mut build = Build { mesh, topology, hull, options, parents };
     let (forms, weights) = build.faces()?;
-    build.finish(forms, weights, input, rounds)
+    build.finish(forms, weights, Before { input, mended, refinements: rounds })
+}
+
+/// What was changed of the input before its faces were divided.
+#[derive(Clone, Default)]
+struct Mended {
+    edges: Vec<[u32; 2]>,
+    normals: Vec<u32>,
+}
+
+/// What came before the forms: vertices and faces of the input, and what was done to them.
+struct Before {
+    input: (usize, usize),
+    mended: Mended,
+    refinements: usize,
+}
+
+/// Whether there is less to complain of: faces without apexes count most.
+fn better(next: &Hull, hull: &Hull) -> bool {
+    let rank = |h: &Hull| (h.hopeless.len(), h.trouble());
+    rank(next) < rank(hull)
+}
+
+/// A mesh with its hull, on the way to one without trouble.
+#[derive(Clone)]
+struct Work {
+    mesh: TriMesh,
+    topology: Topology,
+    hull: Hull,
+    parents: Vec<u32>,
+    mended: Mended,
+}
+
+impl Work {
+    /// Takes folds out of the mesh, and estimates normals of vertices from number `free` on again; each only if it helps.
+    fn mend(&mut self, free: usize, options: &ApatchOptions) -> Result<(), ApatchError> {
+        if self.hull.is_sound() {
+            return Ok(());
+        }
+        let faces = self.hull.faces_in_trouble(&self.topology);
+        if let Some(mut flat) = unfold::unfold(&self.mesh, &self.topology, &faces)? {
+            flat.vertices.retain(|&v| v as usize >= free);
+            estimate(&mut flat.mesh, &flat.topology, &flat.vertices);
+            let next = Hull::new(&flat.mesh, gradients(&flat.mesh), &flat.topology, options);
+            if better(&next, &self.hull) {
+                (self.mesh, self.topology, self.hull) = (flat.mesh, flat.topology, next);
+                self.mended.edges.extend(flat.edges);
+                self.mended.normals.extend(flat.vertices);
+            }
+        }
+        for kind in [Again::Bad, Again::Sharp, Again::Cap, Again::Mean] {
+            // The first is the one that helps most; with much trouble there is no time for the others.
+            if self.hull.is_sound() || (kind != Again::Bad && self.hull.trouble() > SOME) {
+                break;
+            }
+            let (mesh, topology) = (&self.mesh, &self.topology);
+            let faces = self.hull.faces_in_trouble(topology);
+            let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| mesh.faces[f]).filter(|&v| v as usize >= free).collect();
+            vertices.sort_unstable();
+            vertices.dedup();
+            let all = again(mesh, topology, &vertices, kind, &self.hull.bad_edges);
+            if all.is_empty() {
+                continue;
+            }
+            let trial = with(mesh, &all);
+            let next = Hull::new(&trial, gradients(&trial), topology, options);
+            // Those that are no better for it keep what they have.
+            let (was, is) = (self.hull.trouble_at(mesh, topology), next.trouble_at(mesh, topology));
+            let kept: Vec<(u32, DVec3)> =
+                all.into_iter().filter(|&(v, _)| is[v as usize] < was[v as usize]).collect();
+            if kept.is_empty() {
+                continue;
+            }
+            let trial = with(mesh, &kept);
+            let next = Hull::new(&trial, gradients(&trial), topology, options);
+            if better(&next, &self.hull) {
+                (self.mesh, self.hull) = (trial, next);
+                self.mended.normals.extend(kept.iter().map(|k| k.0));
+            }
+        }
+        self.turn_by_trial(free, options)?;
+        self.mended.normals.sort_unstable();
+        self.mended.normals.dedup();
+        Ok(())
+    }
+
+    /// Turns edges that are bad or beside a bad one where that helps: slivers leave no room for tetrahedra beside them.
+    fn turn_by_trial(&mut self, free: usize, options: &ApatchOptions) -> Result<(), ApatchError> {
+        if self.hull.bad_edges.len() > FEW {
+            return Ok(());
+        }
+        // Two turns where one alone changes nothing.
+        let mut best: Option<(Unfolded, Hull)> = None;
+        let mut open = vec![(Unfolded::none(&self.mesh, &self.topology), self.hull.clone())];
+        while let Some((from, hull)) = open.pop() {
+            for h in beside_bad(&from.topology, &hull) {
+                let Some(mut turned) = unfold::turn(&from, h)? else { continue };
+                turned.vertices.retain(|&v| v as usize >= free);
+                estimate(&mut turned.mesh, &turned.topology, &turned.vertices);
+                let next = Hull::new(&turned.mesh, gradients(&turned.mesh), &turned.topology, options);
+                if better(&next, best.as_ref().map_or(&self.hull, |b| &b.1)) {
+                    best = Some((turned, next));
+                } else if from.edges.is_empty() && !better(&self.hull, &next) {
+                    open.push((turned, next));
+                }
+            }
+        }
+        if let Some((turned, next)) = best {
+            (self.mesh, self.topology, self.hull) = (turned.mesh, turned.topology, next);
+            self.mended.edges.extend(turned.edges);
+            self.mended.normals.extend(turned.vertices);
+        }
+        Ok(())
+    }
+
+    /// The given faces divided by a rule, those left out whose parts have no apexes at all.
+    fn divided(&self, mut faces: Vec<usize>, rule: refine::Rule, free: usize, options: &ApatchOptions) -> Result<Option<Work>, ApatchError> {
+        let straight = |h| self.hull.is_straight(h);
+        for last in [false, true] {
+            let Some(finer) = refine::butterfly(&self.mesh, &self.topology, &faces, straight, rule) else { break };
+            let topology = Topology::build(&finer.mesh)?;
+            let hull = Hull::new(&finer.mesh, gradients(&finer.mesh), &topology, options);
+            let parents = finer.parents.iter().map(|&f| self.parents[f as usize]).collect();
+            let mut next = Work { mesh: finer.mesh, topology, hull, parents, mended: self.mended.clone() };
+            // New vertices are anybody's to move.
+            next.mend(free, options)?;
+            let spoiled: Vec<u32> = next.hull.hopeless.iter().map(|&(f, _)| finer.parents[f]).collect();
+            if last || spoiled.is_empty() {
+                return Ok(Some(next));
+            }
+            let corners: Vec<u32> = spoiled.iter().flat_map(|&f| self.mesh.faces[f as usize]).collect();
+            faces.retain(|&f| !self.mesh.faces[f].iter().any(|v| corners.contains(v)));
+        }
+        Ok(None)
+    }
+
+    /// Divides faces in trouble as long as it helps; the number of rounds.
+    fn refine(&mut self, free: usize, options: &ApatchOptions) -> Result<usize, ApatchError> {
+        let (mut rounds, mut tried) = (0, self.clone());
+        for round in 1..=options.refinements {
+            let faces = tried.hull.faces_in_trouble(&tried.topology);
+            if faces.is_empty() || faces.len() > SOME + self.mesh.faces.len() / MANY {
+                break;
+            }
+            let mut best: Option<Work> = None;
+            for rule in [refine::Rule::Tangents, refine::Rule::Butterfly] {
+                let Some(next) = tried.divided(faces.clone(), rule, free, options)? else { continue };
+                let good = better(&next.hull, &self.hull);
+                if best.as_ref().is_none_or(|b| better(&next.hull, &b.hull)) {
+                    best = Some(next);
+                }
+                if good {
+                    break;
+                }
+            }
+            let Some(best) = best else { break };
+            if better(&best.hull, &self.hull) {
+                (*self, rounds) = (best.clone(), round);
+            } else if round > rounds + 1 {
+                break;
+            }
+            tried = best;
+        }
+        Ok(rounds)
+    }
+}
+
+/// The half-edges of the faces beside bad edges, each edge once, in order.
+fn beside_bad(topology: &Topology, hull: &Hull) -> Vec<u32> {
+    let halves = hull.bad_edges.iter().flat_map(|&h| [Some(h), topology.opposite(h)]).flatten();
+    let mut all: Vec<u32> = halves
+        .flat_map(|h| [h, topology.next(h), topology.prev(h)])
+        .filter_map(|h| Some(h.min(topology.opposite(h)?)))
+        .collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// Normals of the given vertices by [`LoopLimit`], of the lengths that they had; the vertices that have new ones.
+fn estimate(mesh: &mut TriMesh, topology: &Topology, vertices: &[u32]) -> Vec<u32> {
+    let (Ok(estimates), Some(normals)) = (LoopLimit.estimate(mesh, topology), &mut mesh.normals) else {
+        return Vec::new();
+    };
+    for &v in vertices {
+        normals[v as usize] = estimates[v as usize] * normals[v as usize].length();
+    }
+    vertices.to_vec()
+}
+
+/// How a normal is estimated again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Again {
+    /// The centre of the smallest cap around the faces and, along edges sharper than a right angle, the directions that keep the surface
+    /// on the blunt side of the edge.
+    Sharp,
+    /// The same for edges with bad tetrahedra only.
+    Bad,
+    /// The centre of the smallest cap around the faces.
+    Cap,
+    /// The mean of the faces, weighted by angle.
+    Mean,
+}
+
+/// The given vertices that have another normal of some kind, and that normal, of the length of the old one.
+fn again(mesh: &TriMesh, topology: &Topology, vertices: &[u32], kind: Again, bad: &[u32]) -> Vec<(u32, DVec3)> {
+    let means = match kind {
+        Again::Mean => AngleWeighted.estimate(mesh, topology).unwrap_or_default(),
+        _ => Vec::new(),
+    };
+    let normal = |h: u32| mesh.area_vector(topology.face(h) as usize).normalize_or_zero();
+    let mut all = Vec::new();
+    for &v in vertices {
+        let mut sees: Vec<DVec3> = topology.outgoing(v).map(normal).collect();
+        let old = gradients(mesh)[v as usize];
+        let new = match kind {
+            Again::Mean => means.get(v as usize).copied(),
+            Again::Cap => smallest_cap(&sees).map(|c| c.0),
+            Again::Sharp | Again::Bad => {
+                for h in topology.outgoing(v) {
+                    let Some(o) = topology.opposite(h) else { continue };
+                    let (m, n) = (normal(h), normal(o));
+                    if m.dot(n) < 0.0 && (matches!(kind, Again::Sharp) || bad.binary_search(&h.min(o)).is_ok()) {
+                        let at = |v: u32| mesh.positions[v as usize];
+                        let along = (at(topology.head(h)) - at(v)).normalize_or_zero();
+                        // Over a valley the surface is to leave downwards, over a ridge upwards.
+                        sees.push(if along.dot(m.cross(n)) > 0.0 { -along } else { along });
+                    }
+                }
+                smallest_cap(&sees).map(|c| c.0)
+            }
+        };
+        if let Some(n) = new.filter(|n| n.dot(old) < (1.0 - 1e-9) * old.length()) {
+            all.push((v, n * old.length()));
+        }
+    }
+    all
+}
+
+/// The mesh with other normals at some vertices.
+fn with(mesh: &TriMesh, normals: &[(u32, DVec3)]) -> TriMesh {
+    let mut mesh = mesh.clone();
+    if let Some(old) = &mut mesh.normals {
+        normals.iter().for_each(|&(v, n)| old[v as usize] = n);
+    }
+    mesh
 }
 
 fn gradients(mesh: &TriMesh) -> &[DVec3] {
@@ -232,8 +471,7 @@ impl Build<'_> {
         &mut self,
         mut forms: Vec<Option<FaceForm>>,
         mut weights: Vec<[Weight; 2]>,
-        input: (usize, usize),
-        refinements: usize,
+        before: Before,
     ) -> Result<ApatchSurface, ApatchError> {
         let halves: Vec<u32> = (0..self.topology.half_edge_count() as u32)
             .filter(|&h| self.topology.opposite(h).is_none_or(|o| h < o))
@@ -294,7 +532,7 @@ impl Build<'_> {
             &halves,
             &verdicts,
             &weighted,
-            (input, refinements, rounds),
+            (before, rounds),
         );
         let faces = forms.into_iter().map(|f| f.map(Arc::new)).collect();
         let edges = edges.into_iter().map(Arc::new).collect();
@@ -322,14 +560,17 @@ impl Build<'_> {
     fn judge(&self, edge: &EdgeForm) -> [Option<Judged>; 2] {
         [0, 1].map(|s| {
             let side = edge.sides[s].as_ref()?;
-            let (mut verdict, near) = certify_edge(edge, side, self.options.cells);
+            let (mut verdict, mut near) = certify_edge(edge, side, self.options.cells);
             let mut raise = None;
             if verdict != Verdict::Proven {
                 let margin = self.options.margin * largest(&side.b1[0]).max(largest(&side.b1[1]));
                 raise = raise_edge(edge, side, margin, near);
                 if raise.is_none() && verdict == Verdict::Undecided {
                     // Samples are content: it is worth looking closer.
-                    (verdict, _) = certify_edge(edge, side, CLOSER * self.options.cells);
+                    (verdict, near) = certify_edge(edge, side, CLOSER * self.options.cells);
+                    if verdict != Verdict::Proven {
+                        raise = raise_edge(edge, side, margin, near);
+                    }
                 }
             }
             if verdict == Verdict::Proven && !side.rises() {
@@ -347,7 +588,7 @@ impl Build<'_> {
         halves: &[u32],
         verdicts: &[[Option<Verdict>; 2]],
         weighted: &[bool],
-        ((input_vertices, input_faces), refinements, edge_rounds): ((usize, usize), usize, usize),
+        (before, edge_rounds): (Before, usize),
     ) -> ApatchReport {
         let count = |class: Class| self.hull.classes.iter().filter(|&&c| c == class).count();
         let faces = ClassCounts {
@@ -378,11 +619,13 @@ impl Build<'_> {
             (0..edges.len()).filter(|&e| keep(e)).map(|e| ends(halves[e])).collect()
         };
         ApatchReport {
-            input_vertices,
-            input_faces,
+            input_vertices: before.input.0,
+            input_faces: before.input.1,
             vertices: self.mesh.positions.len(),
             faces: self.mesh.faces.len(),
-            refinements,
+            turned_edges: before.mended.edges,
+            estimated_again: before.mended.normals,
+            refinements: before.refinements,
             boundary_edges: edges.len() - inner.len(),
             face_classes: faces,
             edge_classes,

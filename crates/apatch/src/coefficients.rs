@@ -59,6 +59,15 @@ impl Corners {
         })
     }
 
+    /// The gradients of the `m_k`, affine functions of the apex.
+    pub(crate) fn m_gradients(&self) -> [DVec3; 3] {
+        EDGE.map(|[a, b]| {
+            let (d, g) = (self.p[b] - self.p[a], self.g[a] + self.g[b]);
+            // From α too, that is from e_ab − e_ba, snapped or not.
+            g / 6.0 - d * (1.5 * (self.e[a][b] - self.e[b][a]) / d.length_squared())
+        })
+    }
+
     /// `w_k`: what the coefficient `012` would have to be for a linear derivative across the edge opposite vertex `k`.
     pub(crate) fn w(&self) -> [f64; 3] {
         [0, 1, 2].map(|k| {
@@ -151,4 +160,29 @@ pub(crate) fn barycentric(x: DVec3, last: DVec3, gradients: &[DVec3; 4]) -> [f64
     let d = x - last;
     let [a, b, c] = [gradients[0].dot(d), gradients[1].dot(d), gradients[2].dot(d)];
     [a, b, c, 1.0 - a - b - c]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vector() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        #[test]
+        fn m_grows_along_its_gradient(
+            p in prop::array::uniform3(vector()), g in prop::array::uniform3(vector()), x in vector(), d in vector(),
+        ) {
+            let corners = Corners::new(p, g, 1e-12);
+            let m = |x: DVec3| corners.m(x, &corners.h(x));
+            let scale = 1.0 + EDGE.iter().fold(0.0_f64, |s, &[a, b]| s.max(1.0 / p[a].distance(p[b])));
+            for k in 0..3 {
+                let slope = d.dot(corners.m_gradients()[k]);
+                prop_assert!((m(x + d)[k] - m(x)[k] - slope).abs() < 1e-12 * scale * scale);
+            }
+        }
+    }
 }

@@ -154,7 +154,7 @@ impl Directions<'_> {
             }
         };
         let centre = site.cap_centre();
-        for d in [site.normal, site.mean(), centre] {
+        for d in [site.normal, site.mean(), site.rising_centre(), centre] {
             offer(d, &mut least, &mut best, &mut found);
         }
         for j in 0..3 {
@@ -224,7 +224,7 @@ fn across(between: f64, s: usize) -> f64 {
 }
 
 /// What a direction costs: narrow and wrong angles over the edges, height, steepness; `None` where there is no apex at all.
-fn cost(site: &Site<'_>, placed: &Placed, walls: &[Wall; 3]) -> Option<f64> {
+fn cost(site: &Site, placed: &Placed, walls: &[Wall; 3]) -> Option<f64> {
     // Not `<=`: what is not a number is no apex.
     if !(placed.lift > 1e-3 && placed.height.is_finite()) {
         return None;

@@ -117,13 +117,34 @@ impl Hull {
         Class::of_edge([self.corners[f].e[i][j], self.corners[f].e[j][i]]) == Class::Zero
     }
 
+    /// Whether every face has apexes, none is steep and no tetrahedra intersect.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.hopeless.is_empty() && self.trouble() == 0
+    }
+
     /// How many places are left where tetrahedra intersect or are too steep.
     pub(crate) fn trouble(&self) -> usize {
         self.bad_edges.len() + self.apexes.iter().filter(|a| a.steep).count()
     }
 
-    /// Faces that refinement should divide.
-    pub(crate) fn faces_to_refine(&self, topology: &Topology) -> Vec<usize> {
+    /// How much of it there is at every vertex, faces without any direction counted as much as many edges.
+    pub(crate) fn trouble_at(&self, mesh: &TriMesh, topology: &Topology) -> Vec<usize> {
+        let mut at = vec![0; mesh.positions.len()];
+        let mut add = |vertices: &[u32], n: usize| vertices.iter().for_each(|&v| at[v as usize] += n);
+        for &h in &self.bad_edges {
+            add(&[topology.tail(h), topology.head(h)], 1);
+        }
+        for (face, apexes) in mesh.faces.iter().zip(&self.apexes) {
+            add(face, usize::from(apexes.steep));
+        }
+        for &(f, _) in &self.hopeless {
+            add(&mesh.faces[f], 1000);
+        }
+        at
+    }
+
+    /// Faces that have no apexes or steep ones, or whose tetrahedra intersect those beside them.
+    pub(crate) fn faces_in_trouble(&self, topology: &Topology) -> Vec<usize> {
         let mut faces: Vec<usize> = self
             .bad_edges
             .iter()
@@ -131,6 +152,7 @@ impl Hull {
             .flatten()
             .map(|h| topology.face(h) as usize)
             .collect();
+        faces.extend(self.hopeless.iter().map(|h| h.0));
         faces.extend(self.apexes.iter().enumerate().filter(|(_, a)| a.steep).map(|(f, _)| f));
         faces.sort_unstable();
         faces.dedup();

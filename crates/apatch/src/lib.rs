@@ -49,6 +49,7 @@ mod report;
 mod shooting;
 mod surface;
 mod tessellate;
+mod unfold;
 mod weights;
 
 pub use bounds::FaceBound;

@@ -42,6 +42,9 @@ pub struct ApatchOptions {
     /// Rounds of local refinement by modified Butterfly where tetrahedra intersect their neighbours or normals are too steep;
     /// at most 8. Default 4: few faces are touched, and each round leaves fewer.
     pub refinements: usize,
+    /// Whether the normals were estimated, so that they may be estimated again: at the ends of turned edges, and where they are against a
+    /// face and another direction is not. Default false: normals are data.
+    pub estimated: bool,
     /// Cells per face or edge that the proof of single-sheetedness may examine, `1..=1_000_000`. Default 2048.
     pub cells: usize,
     /// Whether tetrahedra that are not neighbours are tested for intersections, for the report only. Default true.
@@ -57,6 +60,7 @@ impl Default for ApatchOptions {
             steepness: 0.05,
             margin: 0.02,
             refinements: 4,
+            estimated: false,
             cells: 2048,
             intersections: true,
         }

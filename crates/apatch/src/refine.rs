@@ -13,6 +13,16 @@ pub(crate) struct Finer {
     pub(crate) parents: Vec<u32>,
 }
 
+/// Where new vertices lie.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Rule {
+    /// By the stencils of modified Butterfly: what the vertices around suggest.
+    Butterfly,
+    /// On the cubics that leave the ends of their edges in the tangent planes: what the normals suggest. Edges half as long leave their
+    /// tangent planes half as steeply.
+    Tangents,
+}
+
 /// Divides the edges of the given faces, and the faces beside them as far as it takes to stay watertight. Edges for which
 /// `straight` holds are divided at their midpoint: what is plane stays plane. `None` without anything to divide.
 ///
@@ -23,6 +33,7 @@ pub(crate) fn butterfly(
     topology: &Topology,
     faces: &[usize],
     straight: impl Fn(u32) -> bool,
+    rule: Rule,
 ) -> Option<Finer> {
     let normals = mesh.normals.as_ref()?;
     if mesh.positions.len() + 3 * faces.len() >= u32::MAX as usize / 4 {
@@ -32,31 +43,42 @@ pub(crate) fn butterfly(
     let mut gradients = normals.clone();
     // Only looked up, never walked through.
     let mut middle: HashMap<u32, u32> = HashMap::new();
+    let mut push = |p: DVec3, g: DVec3, h: u32, middle: &mut HashMap<u32, u32>| {
+        if !(g.length_squared().is_normal() && p.is_finite()) {
+            return None;
+        }
+        let id = fine.positions.len() as u32;
+        fine.positions.push(p);
+        gradients.push(g);
+        middle.insert(h, id);
+        if let Some(o) = topology.opposite(h) {
+            middle.insert(o, id);
+        }
+        Some(())
+    };
     for &f in faces {
         for h in (3 * f as u32)..(3 * f as u32 + 3) {
             if middle.contains_key(&h) {
                 continue;
             }
+            let ends = [topology.tail(h), topology.head(h)];
+            if rule == Rule::Tangents && !straight(h) {
+                let at = |of: &[DVec3]| ends.map(|v| of[v as usize]);
+                let (p, g) = between(at(&mesh.positions), at(normals));
+                push(p, g, h, &mut middle)?;
+                continue;
+            }
             let weights = if straight(h) { midpoint(topology, h) } else { stencil(topology, h) };
             let sum = |of: &[DVec3]| weights.iter().map(|&(v, w)| of[v as usize] * w).sum::<DVec3>();
             let (mut p, mut g) = (sum(&mesh.positions), sum(normals));
-            let [a, b] = [topology.tail(h), topology.head(h)].map(|v| normals[v as usize]);
+            let [a, b] = ends.map(|v| normals[v as usize]);
             let even = 0.5 * (a + b);
             if !(g.dot(a) > 0.0 && g.dot(b) > 0.0) {
                 // The stencil overshoots where normals turn fast; so does it then for the position.
                 g = even;
                 p = midpoint(topology, h).iter().map(|&(v, w)| mesh.positions[v as usize] * w).sum();
             }
-            if !(g.length_squared().is_normal() && p.is_finite()) {
-                return None;
-            }
-            let id = fine.positions.len() as u32;
-            fine.positions.push(p);
-            gradients.push(g);
-            middle.insert(h, id);
-            if let Some(o) = topology.opposite(h) {
-                middle.insert(o, id);
-            }
+            push(p, g, h, &mut middle)?;
         }
     }
     if middle.is_empty() {
@@ -104,6 +126,21 @@ fn divide(v: [u32; 3], m: [Option<u32>; 3], positions: &[DVec3], out: &mut Vec<[
             }
         }
     }
+}
+
+/// The middle of the cubic between two points with their tangent planes, and the normal there: that of the ends, mirrored at the plane
+/// across the edge by as much as the edge leaves it.
+///
+/// # References
+/// A. Vlachos, J. Peters, C. Boyd, J. Mitchell, *Curved PN triangles*, 2001.
+fn between([a, b]: [DVec3; 2], [g, h]: [DVec3; 2]) -> (DVec3, DVec3) {
+    let d = b - a;
+    let (m, n) = (g.normalize_or_zero(), h.normalize_or_zero());
+    let p = 0.5 * (a + b) + 0.125 * (n * d.dot(n) - m * d.dot(m));
+    let sum = m + n;
+    let across = sum - d * (2.0 * d.dot(sum) / d.length_squared());
+    let normal = if across.dot(sum) > 0.0 { across } else { sum };
+    (p, normal.normalize_or_zero() * (0.5 * (g.length() + h.length())))
 }
 
 type Weights = Vec<(u32, f64)>;
@@ -195,9 +232,9 @@ mod tests {
     fn any_set_of_faces_leaves_the_mesh_watertight() {
         let mesh = with_normals(shapes::sphere(1));
         let topology = Topology::build(&mesh).unwrap();
-        for step in [1, 2, 3, 7, 40] {
+        for (step, rule) in [1, 2, 3, 7, 40].into_iter().flat_map(|s| [(s, Rule::Butterfly), (s, Rule::Tangents)]) {
             let faces: Vec<usize> = (0..80).step_by(step).collect();
-            let fine = butterfly(&mesh, &topology, &faces, |_| false).unwrap();
+            let fine = butterfly(&mesh, &topology, &faces, |_| false, rule).unwrap();
             let report = check(&fine.mesh);
             assert!(report.is_sound() && report.closed && report.genus == Some(0), "{step}");
             assert_eq!(fine.parents.len(), fine.mesh.faces.len());

@@ -35,6 +35,10 @@ pub struct ApatchReport {
     pub vertices: usize,
     /// Faces after refinement.
     pub faces: usize,
+    /// Edges between folded faces that were turned to the other diagonal of these faces, by their ends before.
+    pub turned_edges: Vec<[u32; 2]>,
+    /// Vertices whose normals were against a face, or at turned edges, and were estimated again.
+    pub estimated_again: Vec<u32>,
     /// Rounds of local refinement.
     pub refinements: usize,
     /// Edges with one face.

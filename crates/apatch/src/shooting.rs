@@ -145,6 +145,26 @@ impl Shooting {
         b0 >= 0.0 || (b2 > 0.0 && b3 > 0.0) || self.required(1.0) < 0.0
     }
 
+    /// All coefficients of the other sign.
+    pub(crate) fn negative(self) -> Self {
+        Self(self.0.map(|b| -b))
+    }
+
+    /// An increment that suffices for all polynomials between this one and `high`, as [`required`](Self::required) does, but no more than
+    /// [`required_sharp`](Self::required_sharp) when the two are one: where `P` is positive at some `t` up to which `P/t²` rises, it holds
+    /// one root. That it rises is the sign of `ψ`, which grows with `B₀`, `B₁` and `B₂` and falls with `B₃`.
+    pub(crate) fn required_up_to(&self, high: &Self) -> f64 {
+        let lemma = self.required(1.0);
+        let [h0, h1, h2, _] = high.0;
+        // Not `<`: what is not a number rises nowhere.
+        if !(h0 < 0.0) {
+            return lemma;
+        }
+        let t = first_root_of_psi(&Self([h0, h1, h2, self.0[3]]).powers()).unwrap_or(1.0);
+        let c = self.powers();
+        lemma.min(-(c[0] / (t * t) + c[1] / t + c[2] + c[3] * t))
+    }
+
     /// The same for one ray, where the sharp value is known: `−P(t)/(β t²)` at its first minimum.
     pub fn required_sharp(&self, beta: f64) -> f64 {
         if self.0[0] >= 0.0 {
@@ -272,6 +292,31 @@ mod tests {
             prop_assert!(low.required(1.0) >= Shooting(b).required(1.0) - 1e-9);
             prop_assert!(Shooting(b).required(1.0) >= Shooting(b).required_sharp(1.0) - 1e-9);
             prop_assert!(!low.is_content() || low.required_sharp(1.0) < 1e-9);
+        }
+    }
+
+    proptest! {
+        /// What is asked for a box of coefficients suffices for all polynomials in it, and is no more than they need when it is small.
+        #[test]
+        fn increments_for_boxes_suffice(
+            b in admissible(), half in prop::array::uniform4(0.0..0.3f64),
+            at in prop::collection::vec(prop::array::uniform4(-1.0..1.0f64), 20),
+        ) {
+            for size in [1.0, 0.1, 0.01, 0.0] {
+                let mixed = |x: [f64; 4]| [0, 1, 2, 3].map(|i| b[i] + x[i] * size * half[i]);
+                let need = Shooting(mixed([-1.0; 4])).required_up_to(&Shooting(mixed([1.0; 4])));
+                for &x in &at {
+                    let mut p = mixed(x);
+                    prop_assert!(Shooting(p).required_sharp(1.0) <= need + 1e-9);
+                    p[2] += (need + 1e-3) / 3.0;
+                    p[3] += need + 1e-3;
+                    let root = Shooting(p).root();
+                    prop_assert!(root.simple && (p[0] >= 0.0 || is_first_root(&Shooting(p), root.t)), "{p:?} {root:?}");
+                }
+                if size == 0.0 {
+                    prop_assert!((need - Shooting(b).required_sharp(1.0)).abs() < 1e-9 * (1.0 + need.abs()));
+                }
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::weighted::{angle_weighted, named};
-use super::{EstimateNormals, NormalsError, check, ring};
+use super::{EstimateNormals, NormalsError, check, ring, smallest_cap};
 use crate::measure::{cross, longest_edge, positive, unit};
 use crate::{Topology, TriMesh};
 
@@ -39,24 +39,11 @@ impl EstimateNormals for LoopLimit {
             let least = LoopLimit::LARGEST_ANGLE.to_radians().cos();
             let sees = |n: &DVec3| n.dot(mean) > 0.0 && faces.iter().all(|f| f.dot(*n) >= least);
             let best = limit(mesh, topology, v).into_iter().chain([mean]).find(sees);
-            Some(best.or_else(|| visible(mean, &faces)).unwrap_or(mean))
+            Some(best.or_else(|| smallest_cap(&faces).map(|c| c.0)).unwrap_or(mean))
         };
         let normals = (0..mesh.positions.len() as u32).map(|v| normal(v).unwrap_or_default()).collect();
         named(topology, normals)
     }
-}
-
-/// Centre of the smallest cap of directions around the faces, where it is on the side of all of them.
-///
-/// # References
-/// M. Bădoiu, K. Clarkson, *Smaller core-sets for balls*, 2003: steps of 1/i towards the farthest.
-fn visible(mean: DVec3, faces: &[DVec3]) -> Option<DVec3> {
-    let mut centre = mean;
-    for i in 1..=200 {
-        let farthest = faces.iter().copied().min_by(|a, b| a.dot(centre).total_cmp(&b.dot(centre)))?;
-        centre = unit(centre + (farthest - centre) / (i + 1) as f64)?;
-    }
-    faces.iter().all(|f| f.dot(centre) > 0.0).then_some(centre)
 }
 
 fn limit(mesh: &TriMesh, topology: &Topology, v: u32) -> Option<DVec3> {

@@ -1,5 +1,6 @@
 //! Normals of vertices, estimated from the mesh alone.
 
+mod cap;
 mod error;
 mod loop_limit;
 mod quadric_fit;
@@ -9,6 +10,7 @@ use glam::DVec3;
 
 use crate::{Topology, TriMesh};
 
+pub use cap::smallest_cap;
 pub use error::NormalsError;
 pub use loop_limit::LoopLimit;
 pub use quadric_fit::QuadricFit;
