@@ -43,7 +43,8 @@ fn measure(name: &str, mesh: &TriMesh) {
         Ok(n) => n,
         Err(e) => return println!("{name}: {e}"),
     };
-    let quick = ApatchOptions { intersections: false, ..ApatchOptions::default() };
+    let options = ApatchOptions { estimated: mesh.normals.is_none(), ..ApatchOptions::default() };
+    let quick = ApatchOptions { intersections: false, ..options.clone() };
     let start = Instant::now();
     let surface = apatch(mesh, &normals, &quick);
     let build = start.elapsed().as_secs_f64();
@@ -51,13 +52,14 @@ fn measure(name: &str, mesh: &TriMesh) {
         Ok(s) => s,
         Err(e) => return println!("{name}: {e}"),
     };
-    let full = apatch(mesh, &normals, &ApatchOptions::default());
+    let full = apatch(mesh, &normals, &options);
     let pairs = full.ok().and_then(|s| s.report().intersections.as_ref().map(|i| i.pairs)).unwrap_or(0);
     let r = surface.report();
     println!(
         "\n{name}: {} faces, refined to {} in {} rounds; {build:.2} s",
         r.input_faces, r.faces, r.refinements
     );
+    println!("  turned edges {}, normals estimated again {}", r.turned_edges.len(), r.estimated_again.len());
     println!(
         "  faces {:?}\n  edges {:?}, {} on the boundary",
         r.face_classes, r.edge_classes, r.boundary_edges

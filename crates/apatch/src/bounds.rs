@@ -338,8 +338,15 @@ impl Demand {
 }
 
 /// The smallest increments of the weights of `u` and `u'` after which sampled rays of an edge are content, with a margin; `None` where
-/// they are already, or where no increments help (specification, sections 6 and 9.6). `near` is a cell known to hold a ray that is not.
-pub(crate) fn raise_edge(form: &EdgeForm, side: &EdgeSide, margin: f64, near: Option<Box2>) -> Option<Raise> {
+/// they are already, unless it is to be done `anyway`, or where no increments help (specification, sections 6 and 9.6). `near` is a cell
+/// that holds a ray that is not, or may.
+pub(crate) fn raise_edge(
+    form: &EdgeForm,
+    side: &EdgeSide,
+    margin: f64,
+    near: Option<Box2>,
+    anyway: bool,
+) -> Option<Raise> {
     let whole = spans(form, side.sign);
     let spans: Vec<Box2> = whole.into_iter().map(|span| [span, [0.0, 1.0]]).chain(near).collect();
     let grid = |[x, y]: Box2| {
@@ -357,21 +364,26 @@ pub(crate) fn raise_edge(form: &EdgeForm, side: &EdgeSide, margin: f64, near: Op
         let bears = rays.iter().fold(f64::INFINITY, |m, d| m.min(d.bears(ratio)));
         if asks.max(0.0) < bears { (asks.max(0.0) + margin) * (1.0 + ratio) } else { f64::INFINITY }
     };
-    // Equal increments wherever they do nearly as well as others.
-    let mut best = (1.0, 0.5 * total(1.0));
     let (mu, nu) = (side.mu[3], side.nu[3]);
     let balanced = (mu < 0.0 && nu < 0.0).then(|| mu / nu);
-    for ratio in balanced.into_iter().chain((-12..=12).map(|n| 2f64.powi(n))).chain([0.0]) {
-        let value = total(ratio);
-        if value < best.1 {
-            best = (ratio, value);
-        }
-    }
-    let ratio = best.0;
-    let need = sharpen(&spans, |xi, y| Demand::new(form, side, xi, y).asks(ratio));
-    let raise = Raise { by: need + margin, ratio };
+    let mut ratios: Vec<(f64, f64)> = balanced
+        .into_iter()
+        .chain((-12..=12).map(|n| 2f64.powi(n)))
+        .chain([0.0])
+        // Equal increments wherever they do nearly as well as others.
+        .map(|ratio| (if ratio == 1.0 { 0.5 } else { 1.0 } * total(ratio), ratio))
+        .filter(|r| r.0.is_finite())
+        .collect();
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Between the samples there may be rays that a ratio does not help.
+    let (need, ratio) = ratios
+        .into_iter()
+        .map(|(_, ratio)| (sharpen(&spans, |xi, y| Demand::new(form, side, xi, y).asks(ratio)), ratio))
+        .find(|n| n.0 < f64::INFINITY)?;
+    let raise = Raise { by: if anyway { need.max(0.0) } else { need } + margin, ratio };
     // Not for a trifle: the margin need not be met to the last digit.
-    (need > -0.5 * margin && raise.by.is_finite() && (raise.by * ratio).is_finite()).then_some(raise)
+    ((anyway || need > -0.5 * margin) && raise.by.is_finite() && (raise.by * ratio).is_finite())
+        .then_some(raise)
 }
 
 /// The largest value found over cells of an edge by sampling finer and finer around the best.

@@ -30,6 +30,9 @@ const FEW: usize = 8;
 
 const MANY: usize = 20;
 
+/// Rounds in which edges may also do so that are only not proven: two edges may raise their faces against each other for ever.
+const PATIENT: usize = 6;
+
 /// How many times more cells an edge may take whose sampled rays are all content.
 const CLOSER: usize = 16;
 
@@ -56,7 +59,13 @@ pub fn apatch(
     let mesh = TriMesh { normals: Some(normals.to_vec()), ..mesh.clone() };
     let input = (mesh.positions.len(), mesh.faces.len());
     let parents: Vec<u32> = (0..mesh.faces.len() as u32).collect();
-    let mut work = Work { hull: Hull::new(&mesh, gradients(&mesh), &topology, options), mesh, topology, parents, mended: Mended::default() };
+    let mut work = Work {
+        hull: Hull::new(&mesh, gradients(&mesh), &topology, options),
+        mesh,
+        topology,
+        parents,
+        mended: Mended::default(),
+    };
     let free = if options.estimated { 0 } else { input.0 };
     work.mend(free, options)?;
     let rounds = work.refine(free, options)?;
@@ -123,7 +132,8 @@ impl Work {
             }
             let (mesh, topology) = (&self.mesh, &self.topology);
             let faces = self.hull.faces_in_trouble(topology);
-            let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| mesh.faces[f]).filter(|&v| v as usize >= free).collect();
+            let mut vertices: Vec<u32> =
+                faces.iter().flat_map(|&f| mesh.faces[f]).filter(|&v| v as usize >= free).collect();
             vertices.sort_unstable();
             vertices.dedup();
             let all = again(mesh, topology, &vertices, kind, &self.hull.bad_edges);
@@ -182,10 +192,18 @@ impl Work {
     }
 
     /// The given faces divided by a rule, those left out whose parts have no apexes at all.
-    fn divided(&self, mut faces: Vec<usize>, rule: refine::Rule, free: usize, options: &ApatchOptions) -> Result<Option<Work>, ApatchError> {
+    fn divided(
+        &self,
+        mut faces: Vec<usize>,
+        rule: refine::Rule,
+        free: usize,
+        options: &ApatchOptions,
+    ) -> Result<Option<Work>, ApatchError> {
         let straight = |h| self.hull.is_straight(h);
         for last in [false, true] {
-            let Some(finer) = refine::butterfly(&self.mesh, &self.topology, &faces, straight, rule) else { break };
+            let Some(finer) = refine::butterfly(&self.mesh, &self.topology, &faces, straight, rule) else {
+                break;
+            };
             let topology = Topology::build(&finer.mesh)?;
             let hull = Hull::new(&finer.mesh, gradients(&finer.mesh), &topology, options);
             let parents = finer.parents.iter().map(|&f| self.parents[f as usize]).collect();
@@ -271,7 +289,13 @@ enum Again {
 }
 
 /// The given vertices that have another normal of some kind, and that normal, of the length of the old one.
-fn again(mesh: &TriMesh, topology: &Topology, vertices: &[u32], kind: Again, bad: &[u32]) -> Vec<(u32, DVec3)> {
+fn again(
+    mesh: &TriMesh,
+    topology: &Topology,
+    vertices: &[u32],
+    kind: Again,
+    bad: &[u32],
+) -> Vec<(u32, DVec3)> {
     let means = match kind {
         Again::Mean => AngleWeighted.estimate(mesh, topology).unwrap_or_default(),
         _ => Vec::new(),
@@ -288,7 +312,9 @@ fn again(mesh: &TriMesh, topology: &Topology, vertices: &[u32], kind: Again, bad
                 for h in topology.outgoing(v) {
                     let Some(o) = topology.opposite(h) else { continue };
                     let (m, n) = (normal(h), normal(o));
-                    if m.dot(n) < 0.0 && (matches!(kind, Again::Sharp) || bad.binary_search(&h.min(o)).is_ok()) {
+                    if m.dot(n) < 0.0
+                        && (matches!(kind, Again::Sharp) || bad.binary_search(&h.min(o)).is_ok())
+                    {
                         let at = |v: u32| mesh.positions[v as usize];
                         let along = (at(topology.head(h)) - at(v)).normalize_or_zero();
                         // Over a valley the surface is to leave downwards, over a ridge upwards.
@@ -482,7 +508,8 @@ impl Build<'_> {
         let mut weighted = vec![false; edges.len()];
         let mut rounds = 0;
         loop {
-            let judged: Vec<[Option<Judged>; 2]> = dirty.par_iter().map(|&e| self.judge(&edges[e])).collect();
+            let judged: Vec<[Option<Judged>; 2]> =
+                dirty.par_iter().map(|&e| self.judge(&edges[e], rounds < PATIENT)).collect();
             // The largest demand on every face and side; in the order of edges, though a maximum needs none.
             let mut demand: Vec<[f64; 2]> = vec![[0.0; 2]; forms.len()];
             let mut raised = Vec::new();
@@ -525,15 +552,7 @@ impl Build<'_> {
                 edges[e] = edge;
             }
         }
-        let report = self.report(
-            &forms,
-            &weights,
-            &edges,
-            &halves,
-            &verdicts,
-            &weighted,
-            (before, rounds),
-        );
+        let report = self.report(&forms, &weights, &edges, &halves, &verdicts, &weighted, (before, rounds));
         let faces = forms.into_iter().map(|f| f.map(Arc::new)).collect();
         let edges = edges.into_iter().map(Arc::new).collect();
         let mesh = std::mem::take(&mut self.mesh);
@@ -557,19 +576,19 @@ impl Build<'_> {
         })
     }
 
-    fn judge(&self, edge: &EdgeForm) -> [Option<Judged>; 2] {
+    fn judge(&self, edge: &EdgeForm, anyway: bool) -> [Option<Judged>; 2] {
         [0, 1].map(|s| {
             let side = edge.sides[s].as_ref()?;
             let (mut verdict, mut near) = certify_edge(edge, side, self.options.cells);
             let mut raise = None;
             if verdict != Verdict::Proven {
                 let margin = self.options.margin * largest(&side.b1[0]).max(largest(&side.b1[1]));
-                raise = raise_edge(edge, side, margin, near);
+                raise = raise_edge(edge, side, margin, near, false);
                 if raise.is_none() && verdict == Verdict::Undecided {
                     // Samples are content: it is worth looking closer.
                     (verdict, near) = certify_edge(edge, side, CLOSER * self.options.cells);
                     if verdict != Verdict::Proven {
-                        raise = raise_edge(edge, side, margin, near);
+                        raise = raise_edge(edge, side, margin, near, anyway);
                     }
                 }
             }

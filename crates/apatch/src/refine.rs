@@ -232,7 +232,9 @@ mod tests {
     fn any_set_of_faces_leaves_the_mesh_watertight() {
         let mesh = with_normals(shapes::sphere(1));
         let topology = Topology::build(&mesh).unwrap();
-        for (step, rule) in [1, 2, 3, 7, 40].into_iter().flat_map(|s| [(s, Rule::Butterfly), (s, Rule::Tangents)]) {
+        for (step, rule) in
+            [1, 2, 3, 7, 40].into_iter().flat_map(|s| [(s, Rule::Butterfly), (s, Rule::Tangents)])
+        {
             let faces: Vec<usize> = (0..80).step_by(step).collect();
             let fine = butterfly(&mesh, &topology, &faces, |_| false, rule).unwrap();
             let report = check(&fine.mesh);

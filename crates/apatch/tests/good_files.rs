@@ -10,7 +10,9 @@ use suture_mesh::{Topology, check, io};
 #[test]
 fn good_meshes_become_c1_surfaces() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/good/");
-    for name in ["eight.off", "nefertiti_coarse.off", "three_peaks.off", "sphere.obj", "elephant.off"] {
+    for name in
+        ["eight.off", "nefertiti_coarse.off", "three_peaks.off", "sphere.obj", "elephant.off", "hand.off"]
+    {
         let path = format!("{folder}{name}");
         if !std::path::Path::new(&path).exists() {
             println!("skipped: {name} is not there");
@@ -18,7 +20,8 @@ fn good_meshes_become_c1_surfaces() {
         }
         let mesh = io::read(&path).unwrap().mesh;
         let normals = LoopLimit.estimate(&mesh, &Topology::build(&mesh).unwrap()).unwrap();
-        let s = apatch(&mesh, &normals, &ApatchOptions::default()).unwrap();
+        let options = ApatchOptions { estimated: true, ..ApatchOptions::default() };
+        let s = apatch(&mesh, &normals, &options).unwrap();
         let r = s.report();
         assert!(
             r.unproven_faces.is_empty() && r.unproven_edges.is_empty() && r.bad_edges.is_empty(),

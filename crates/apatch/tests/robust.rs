@@ -5,6 +5,7 @@ mod common;
 use common::{figure, sides};
 use glam::DVec3;
 use suture_apatch::{ApatchError, ApatchOptions, ApexWeight, Locator, apatch};
+use suture_mesh::normals::{EstimateNormals, LoopLimit};
 use suture_mesh::{TriMesh, shapes};
 
 /// Below the bound the minimal root is lost on some ray; above it on none.
@@ -124,4 +125,61 @@ fn bad_input_is_named() {
     assert!(matches!(error(&TriMesh::default(), &[]), ApatchError::Topology(_)));
     let options = ApatchOptions { weight: ApexWeight::Given(vec![1.0; 3]), ..ApatchOptions::default() };
     assert!(matches!(apatch(&mesh, &good, &options), Err(ApatchError::WeightCount { given: 3, faces: 20 })));
+}
+
+/// A triangle turned over by moving one vertex of a plane grid beyond a neighbour: no normal sees both sides of the fold.
+fn folded() -> TriMesh {
+    let mut mesh = TriMesh::default();
+    let n = 6;
+    for j in 0..=n {
+        for i in 0..=n {
+            let (x, y) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+            mesh.positions.push(DVec3::new(x, y, 0.3 * (x * x + 0.5 * y * y)));
+        }
+    }
+    for j in 0..n as u32 {
+        for i in 0..n as u32 {
+            let v = |i: u32, j: u32| j * 7 + i;
+            mesh.faces
+                .extend([[v(i, j), v(i + 1, j), v(i + 1, j + 1)], [v(i, j), v(i + 1, j + 1), v(i, j + 1)]]);
+        }
+    }
+    // The middle vertex beyond the diagonal of its neighbour's face.
+    let step = 1.0 / 6.0;
+    let [x, y] = [0.5 + 0.8 * step, 0.5 - 0.7 * step];
+    mesh.positions[24] = DVec3::new(x, y, 0.3 * (x * x + 0.5 * y * y));
+    mesh
+}
+
+#[test]
+fn folds_are_turned_away_and_named() {
+    let mesh = folded();
+    let topology = suture_mesh::Topology::build(&mesh).unwrap();
+    let normals = LoopLimit.estimate(&mesh, &topology).unwrap();
+    let options = ApatchOptions { estimated: true, ..ApatchOptions::default() };
+    let s = apatch(&mesh, &normals, &options).unwrap();
+    let r = s.report();
+    assert!(
+        !r.turned_edges.is_empty() && r.turned_edges.iter().flatten().any(|&v| v == 24 || v == 17 || v == 25),
+        "{r:?}"
+    );
+    assert!(r.bad_edges.is_empty() && r.steep_faces.is_empty(), "{r:?}");
+    assert!(r.unproven_faces.is_empty() && r.unproven_edges.is_empty(), "{r:?}");
+    // Vertices stay; those that were no corner of a turned edge keep their normals.
+    assert_eq!(&s.mesh().positions[..49], &mesh.positions[..]);
+    let changed = (0..49).filter(|&v| s.mesh().normals.as_ref().unwrap()[v] != normals[v]);
+    assert!(changed.clone().count() > 0);
+    for v in changed {
+        assert!(r.estimated_again.contains(&(v as u32)), "{v}");
+    }
+    let before = suture_mesh::check(&mesh);
+    let after = suture_mesh::check(&s.tessellate(4, 2).unwrap().mesh);
+    assert!(after.manifold && after.oriented && after.boundary_loops.total == before.boundary_loops.total);
+    let jumps = common::wall_jumps(&s);
+    assert!(jumps.value < 1e-12 && jumps.gradient < 1e-11, "{jumps:?}");
+    // Given normals are never touched.
+    if let Ok(s) = apatch(&mesh, &normals, &ApatchOptions::default()) {
+        assert_eq!(&s.mesh().normals.as_ref().unwrap()[..49], &normals[..]);
+        assert!(s.report().estimated_again.is_empty());
+    }
 }

@@ -54,6 +54,17 @@ pub enum NormalSource {
     Quadric,
 }
 
+impl NormalSource {
+    /// Whether the normals of a mesh from this source are estimates.
+    pub fn estimates(self, mesh: &TriMesh) -> bool {
+        match self {
+            Self::Best => mesh.normals.is_none(),
+            Self::Mesh => false,
+            Self::Loop | Self::Angle | Self::Area | Self::Quadric => true,
+        }
+    }
+}
+
 /// One normal per vertex; zero at vertices without faces where they are estimated. Lengths are those of the source.
 ///
 /// # Errors
@@ -160,6 +171,16 @@ fn doubts(r: &ApatchReport, parents: &[u32]) -> Vec<String> {
     let open: Vec<[u32; 2]> =
         r.unproven_edges.iter().filter(|e| !r.violated_edges.contains(e)).copied().collect();
     edges(&open, "are not proven to be single-sheeted, though nothing contradicts it");
+    edges(
+        &r.turned_edges,
+        "were turned to the other diagonal of the faces beside them, which were folded or left no room",
+    );
+    if let Some(v) = r.estimated_again.first() {
+        all.push(format!(
+            "the normals of {} vertices (the first {v}) were estimated again, with regard to the faces that they stood against",
+            r.estimated_again.len()
+        ));
+    }
     if r.refinements > 0 {
         all.push(format!(
             "the mesh was refined locally from {} to {} faces, so that tetrahedra do not meet",

@@ -36,10 +36,15 @@ pub(crate) fn run(a: &Apatch, common: &args::Common, report: &mut Report) -> Res
         Apex::Neighbours => ApexWeight::Neighbours,
         Apex::Paper => ApexWeight::Paper,
     };
-    let apatches = ApatchOptions { weight, ..ApatchOptions::default() };
     let mut simple = true;
     let holds = a.local.run(common, report, |mesh, options, watch| {
-        let normals = vertex_normals(mesh, a.local.source())?;
+        let source = a.local.source();
+        let normals = vertex_normals(mesh, source)?;
+        let apatches = ApatchOptions {
+            weight: weight.clone(),
+            estimated: source.estimates(mesh),
+            ..ApatchOptions::default()
+        };
         let sewn = sew_apatch(mesh, &normals, &apatches, options, watch)?;
         simple = sewn.report.violated_faces.is_empty() && sewn.report.violated_edges.is_empty();
         Ok(sewn)

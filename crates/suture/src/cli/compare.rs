@@ -110,7 +110,9 @@ fn make(method: &str, a: &Compare, mesh: &TriMesh, watch: &dyn Watch) -> Result<
             Made::Reconstruct(Box::new(made))
         }
         "apatch" => {
-            Made::Apatch(Box::new(sew_apatch(mesh, &normals()?, &ApatchOptions::default(), &options, watch)?))
+            let apatches =
+                ApatchOptions { estimated: NormalSource::Best.estimates(mesh), ..ApatchOptions::default() };
+            Made::Apatch(Box::new(sew_apatch(mesh, &normals()?, &apatches, &options, watch)?))
         }
         _ => {
             let bubbles = BubbleOptions { order: a.order.into(), ..BubbleOptions::default() };
