@@ -4,10 +4,10 @@ use glam::DVec2;
 use suture_bernstein::{BezierCurve, BezierPatch};
 use suture_surface::{Continuity, EdgeRef, Patch, PatchId, PatchKind, Seam, Surface};
 
-use crate::check::{MapReport, Obstacle, check_maps};
-use crate::maps::{CornerMaps, MapSet};
+use crate::check::MapReport;
+use crate::maps::MapSet;
 use crate::patches::{NBlend, Strip, Trimmed};
-use crate::widths::{WidthOptions, Widths};
+use crate::widths::Widths;
 use crate::{ArcEnd, BlendError, Network};
 
 /// A blended surface with the numbers of its making.
@@ -21,124 +21,6 @@ pub struct Blend {
     pub maps: MapReport,
     /// How many strips would remain if those of one arc were merged: one per arc.
     pub merged_strips: usize,
-}
-
-/// How often widths shrink before the obstacle becomes the error.
-const ATTEMPTS: usize = 60;
-/// By how much they shrink at a time.
-const SHRINK: f64 = 0.8;
-/// Lengths of strips, as multiples of the first one, that are tried in turn on an arc whose chain folds: longer ones pass over what
-/// scatters, shorter ones follow what bends.
-const LENGTHS: [f64; 5] = [1.0, 2.0, 0.5, 1.4, 0.7];
-
-/// Blends a network of B-splines into one C² surface.
-///
-/// Widths that were not given shrink, at the corners concerned, until every map is usable; where a chain folds, the length of
-/// its strips changes as well.
-///
-/// # Errors
-/// [`BlendError`]: the network is inconsistent, or an obstacle remains (see [`Obstacle`]).
-pub fn blend(network: &Network, maps: &dyn CornerMaps, options: &WidthOptions) -> Result<Blend, BlendError> {
-    network.check()?;
-    let mut widths = Widths::resolve(network, maps, options)?;
-    let automatic = options.d_in.is_none() && options.d_out.is_none();
-    let narrowest = options.narrowest * network.diagonal;
-    let lengths = widths.shortest.clone();
-    let mut folds = vec![0; lengths.len()];
-    for _ in 0..ATTEMPTS {
-        let obstacles = match maps.maps(network, &widths) {
-            Ok(set) => {
-                let report = check_maps(network, &set, &widths.corner);
-                let shrinkable =
-                    |o: &Obstacle| o.corners.iter().all(|&c| widths.corner[c] * SHRINK >= narrowest);
-                if report.obstacles.iter().all(|o| o.bearable() && !(automatic && shrinkable(o))) {
-                    return finish(network, &set, widths, report);
-                }
-                report.obstacles
-            }
-            Err(errors) => {
-                for error in &errors {
-                    match error {
-                        // How narrow it has to be is known.
-                        BlendError::ArcTooShort { corners, limit, .. } => {
-                            for &c in corners {
-                                let limit = limit.max(options.narrowest) * network.diagonal;
-                                widths.corner[c] = widths.corner[c].min(limit / SHRINK);
-                            }
-                        }
-                        other => return Err(other.clone()),
-                    }
-                }
-                let obstacle = |error| match error {
-                    BlendError::ArcTooShort { corners, .. } => {
-                        Obstacle { corners: corners.to_vec(), error, chain: None, arcs: Vec::new() }
-                    }
-                    error => Obstacle { corners: Vec::new(), error, chain: None, arcs: Vec::new() },
-                };
-                errors.into_iter().map(obstacle).collect()
-            }
-        };
-        let mut shrinks = vec![false; widths.corner.len()];
-        let mut folding = vec![false; lengths.len()];
-        let mut folds_at = vec![false; widths.corner.len()];
-        for obstacle in &obstacles {
-            obstacle.corners.iter().for_each(|&c| shrinks[c] = true);
-            if !matches!(obstacle.error, BlendError::ArcTooShort { .. } | BlendError::Apart { .. }) {
-                obstacle.corners.iter().for_each(|&c| folds_at[c] = true);
-            }
-            if let Some(arc) = obstacle.chain {
-                folding[arc] = true;
-            }
-        }
-        for arc in (0..folding.len()).filter(|&a| folding[a]) {
-            folds[arc] += 1;
-            widths.shortest[arc] = lengths[arc] * LENGTHS[folds[arc] % LENGTHS.len()];
-        }
-        let hard = |c: usize| obstacles.iter().any(|o| !o.bearable() && o.corners.contains(&c));
-        let exhausted = |c: usize| widths.corner[c] * SHRINK < narrowest;
-        if !automatic || (0..shrinks.len()).any(|c| shrinks[c] && exhausted(c) && hard(c)) {
-            return Err(unusable(obstacles));
-        }
-        let shrinking: Vec<usize> = (0..shrinks.len()).filter(|&c| shrinks[c] && !exhausted(c)).collect();
-        for c in shrinking {
-            widths.corner[c] *= SHRINK;
-            widths.reductions[c] += u32::from(folds_at[c]);
-        }
-    }
-    match maps.maps(network, &widths) {
-        Ok(set) => {
-            let report = check_maps(network, &set, &widths.corner);
-            match report.obstacles.iter().all(Obstacle::bearable) {
-                true => finish(network, &set, widths, report),
-                false => Err(unusable(report.obstacles)),
-            }
-        }
-        Err(mut errors) => Err(errors.swap_remove(0)),
-    }
-}
-
-fn unusable(obstacles: Vec<Obstacle>) -> BlendError {
-    let mut segments: Vec<usize> = obstacles
-        .iter()
-        .filter(|o| !o.bearable())
-        .filter_map(|o| match o.error {
-            BlendError::Fold { segment, .. }
-            | BlendError::Overlap { segment }
-            | BlendError::OutsideDomain { segment, .. } => Some(segment),
-            _ => None,
-        })
-        .collect();
-    segments.sort_unstable();
-    segments.dedup();
-    let mut arcs: Vec<usize> =
-        obstacles.iter().filter(|o| !o.bearable()).flat_map(|o| &o.arcs).copied().collect();
-    arcs.sort_unstable();
-    arcs.dedup();
-    let none = BlendError::Inconsistent { what: "no width was found in the attempts allowed".into() };
-    match obstacles.into_iter().find(|o| !o.bearable()).map_or(none, |o| o.error) {
-        first if segments.is_empty() => first,
-        first => BlendError::Obstacles { first: Box::new(first), segments, arcs },
-    }
 }
 
 /// One edge of a trimming loop.
@@ -245,7 +127,13 @@ const GON_END: u32 = 1;
 const TOP: u32 = 2;
 const START: u32 = 3;
 
-fn finish(network: &Network, maps: &MapSet, widths: Widths, report: MapReport) -> Result<Blend, BlendError> {
+/// The surface of usable maps.
+pub(crate) fn assemble(
+    network: &Network,
+    maps: &MapSet,
+    widths: Widths,
+    report: MapReport,
+) -> Result<Blend, BlendError> {
     let mut patches: Vec<Box<dyn Patch>> = Vec::new();
     let mut seams = Vec::new();
     let mut push = |patch: Box<dyn Patch>| {

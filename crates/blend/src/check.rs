@@ -1,6 +1,7 @@
 //! Are the maps of a network usable: no fold, no ring that crosses itself, nothing outside the domain of a B-spline?
 
 use glam::DVec2;
+use rayon::prelude::*;
 use suture_bernstein::{BSplineSurface, BezierPatch, Jet2};
 
 use crate::assemble::trimming_loop;
@@ -48,42 +49,108 @@ pub struct MapReport {
     pub obstacles: Vec<Obstacle>,
 }
 
+impl MapReport {
+    fn clear() -> Self {
+        Self { jacobian: 1.0, obstacles: Vec::new() }
+    }
+}
+
 /// Tests every map of the network by samples: 25 × 9 per strip, 32 per edge of a trimming loop. `widths` holds the width at every
 /// corner.
 pub fn check_maps(network: &Network, maps: &MapSet, widths: &[f64]) -> MapReport {
-    let mut report = MapReport { jacobian: 1.0, obstacles: Vec::new() };
-    for (c, set) in maps.corners.iter().enumerate() {
-        let corner = &network.corners[c];
-        let n = corner.arcs.len();
-        for (j, strip) in set.strips.iter().enumerate() {
-            let sides = [network.segment(corner, j), network.segment(corner, (j + n - 1) % n)];
-            let place = || format!("the strip beside corner {c} on arc {}", corner.arcs[j].arc);
-            let grid =
-                check_strip(network, strip, sides, &[c], corner.arcs[j].arc, false, &place, &mut report);
-            check_apart(network, corner.arcs[j].arc, grid, sides, widths[c], &[c], &place, &mut report);
-        }
-        for (j, map) in set.gon.iter().enumerate() {
-            let segment = network.segment(corner, j);
-            let points = gon::corners(n).into_iter().map(|p| map.jet(p).p);
-            let place = || format!("the N-blend at corner {c}");
-            let arcs: Vec<usize> = corner.arcs.iter().map(|end| end.arc).collect();
-            check_inside(&network.surfaces[segment], segment, points, &[c], &arcs, &place, &mut report);
+    Findings::default().update(network, maps.clone(), widths)
+}
+
+/// What was found on the latest maps, by corner, arc and segment: where the next ones are the same it still holds.
+#[derive(Default)]
+pub(crate) struct Findings {
+    latest: Option<(MapSet, Vec<f64>)>,
+    corners: Vec<MapReport>,
+    arcs: Vec<MapReport>,
+    loops: Vec<MapReport>,
+}
+
+impl Findings {
+    /// The maps that were tested last.
+    pub(crate) fn maps(&self) -> Option<&MapSet> {
+        self.latest.as_ref().map(|(maps, _)| maps)
+    }
+
+    /// Forgets what was found on an arc and at its ends.
+    pub(crate) fn forget(&mut self, arc: usize, ends: [usize; 2]) {
+        if let Some((maps, _)) = &mut self.latest {
+            maps.chains[arc].clear();
+            ends.into_iter().for_each(|c| maps.corners[c].strips.clear());
         }
     }
-    for (a, chain) in maps.chains.iter().enumerate() {
-        let arc = &network.arcs[a];
-        for (k, strip) in chain.iter().enumerate() {
-            let place = || format!("strip {k} of arc {a}");
-            // Only the ends of a chain depend on one corner alone.
-            let corners = arc.corners;
-            let sides = [arc.right, arc.left];
-            let grid = check_strip(network, strip, sides, &corners, a, true, &place, &mut report);
-            let width = widths[corners[0]].max(widths[corners[1]]);
-            check_apart(network, a, grid, sides, width, &corners, &place, &mut report);
+
+    /// Tests what is new in `maps`.
+    pub(crate) fn update(&mut self, network: &Network, maps: MapSet, widths: &[f64]) -> MapReport {
+        let old = self.latest.as_ref();
+        let same_width = |c: usize| old.is_some_and(|(_, before)| before[c] == widths[c]);
+        let same_corner: Vec<bool> = (0..network.corners.len())
+            .map(|c| same_width(c) && old.is_some_and(|(before, _)| before.corners[c] == maps.corners[c]))
+            .collect();
+        let same_arc: Vec<bool> = (network.arcs.iter().enumerate())
+            .map(|(a, arc)| {
+                arc.corners.iter().all(|&c| same_width(c))
+                    && old.is_some_and(|(before, _)| before.chains[a] == maps.chains[a])
+            })
+            .collect();
+        let mut same_loop = vec![true; network.surfaces.len()];
+        for (arc, same) in network.arcs.iter().zip(&same_arc) {
+            let same = *same && arc.corners.iter().all(|&c| same_corner[c]);
+            [arc.left, arc.right].into_iter().for_each(|s| same_loop[s] &= same);
         }
+        renew(&mut self.corners, &same_corner, |c| check_corner(network, &maps, widths, c));
+        renew(&mut self.arcs, &same_arc, |a| check_chain(network, &maps, widths, a));
+        renew(&mut self.loops, &same_loop, |s| check_loop(network, &maps, s));
+        self.latest = Some((maps, widths.to_vec()));
+        let mut report = MapReport::clear();
+        for part in self.corners.iter().chain(&self.arcs).chain(&self.loops) {
+            report.jacobian = report.jacobian.min(part.jacobian);
+            report.obstacles.extend(part.obstacles.iter().cloned());
+        }
+        report
     }
-    for segment in 0..network.surfaces.len() {
-        check_loop(network, maps, segment, &mut report);
+}
+
+/// Makes again what is not the same.
+fn renew(parts: &mut Vec<MapReport>, same: &[bool], make: impl Fn(usize) -> MapReport + Sync) {
+    parts.resize_with(same.len(), MapReport::clear);
+    parts.par_iter_mut().enumerate().filter(|(k, _)| !same[*k]).for_each(|(k, part)| *part = make(k));
+}
+
+fn check_corner(network: &Network, maps: &MapSet, widths: &[f64], c: usize) -> MapReport {
+    let (mut report, corner, set) = (MapReport::clear(), &network.corners[c], &maps.corners[c]);
+    let n = corner.arcs.len();
+    for (j, strip) in set.strips.iter().enumerate() {
+        let sides = [network.segment(corner, j), network.segment(corner, (j + n - 1) % n)];
+        let arc = corner.arcs[j].arc;
+        let place = || format!("the strip beside corner {c} on arc {arc}");
+        let grid = check_strip(network, strip, sides, &[c], arc, false, &place, &mut report);
+        check_apart(network, arc, grid, sides, widths[c], &[c], &place, &mut report);
+    }
+    for (j, map) in set.gon.iter().enumerate() {
+        let segment = network.segment(corner, j);
+        let points = gon::corners(n).into_iter().map(|p| map.jet(p).p);
+        let place = || format!("the N-blend at corner {c}");
+        let arcs: Vec<usize> = corner.arcs.iter().map(|end| end.arc).collect();
+        check_inside(&network.surfaces[segment], segment, points, &[c], &arcs, &place, &mut report);
+    }
+    report
+}
+
+fn check_chain(network: &Network, maps: &MapSet, widths: &[f64], a: usize) -> MapReport {
+    let (mut report, arc) = (MapReport::clear(), &network.arcs[a]);
+    for (k, strip) in maps.chains[a].iter().enumerate() {
+        let place = || format!("strip {k} of arc {a}");
+        // Only the ends of a chain depend on one corner alone.
+        let corners = arc.corners;
+        let sides = [arc.right, arc.left];
+        let grid = check_strip(network, strip, sides, &corners, a, true, &place, &mut report);
+        let width = widths[corners[0]].max(widths[corners[1]]);
+        check_apart(network, a, grid, sides, width, &corners, &place, &mut report);
     }
     report
 }
@@ -197,9 +264,10 @@ fn check_inside(
 }
 
 /// The trimming loop of a segment must be a simple, counter-clockwise polygon.
-fn check_loop(network: &Network, maps: &MapSet, segment: usize, report: &mut MapReport) {
+fn check_loop(network: &Network, maps: &MapSet, segment: usize) -> MapReport {
+    let mut report = MapReport::clear();
     let Ok(edges) = trimming_loop(network, maps, segment) else {
-        return;
+        return report;
     };
     let mut points = Vec::new();
     for (e, edge) in edges.iter().enumerate() {
@@ -221,7 +289,7 @@ fn check_loop(network: &Network, maps: &MapSet, segment: usize, report: &mut Map
     };
     if !(area > 0.0) {
         blame(&(0..edges.len()).collect::<Vec<_>>());
-        return;
+        return report;
     }
     // Sweep over the sides in the order of their left ends.
     let mut sides: Vec<(f64, f64, usize)> = (0..n)
@@ -240,10 +308,11 @@ fn check_loop(network: &Network, maps: &MapSet, segment: usize, report: &mut Map
             if !adjacent && cross([points[i].0, points[(i + 1) % n].0], [points[j].0, points[(j + 1) % n].0])
             {
                 blame(&[points[i].1, points[j].1]);
-                return;
+                return report;
             }
         }
     }
+    report
 }
 
 fn cross([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {

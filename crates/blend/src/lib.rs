@@ -26,20 +26,22 @@ mod network;
 mod paper;
 mod patches;
 mod polynomial;
+mod sewing;
 mod tables;
 pub mod weights;
 mod widths;
 
-pub use assemble::{Blend, blend};
+pub use assemble::Blend;
 pub use check::{MapReport, Obstacle, check_maps};
 pub use correspondence::Correspondence;
 pub use error::BlendError;
-pub use maps::{CornerMapSet, CornerMaps, MapSet, StripMaps};
+pub use maps::{CornerMapSet, CornerMaps, MapSet, Memory, StripMaps};
 pub use metric::isometry;
 pub use network::{ArcCurve, ArcEnd, ArcSample, Corner, Network};
 pub use paper::PaperMaps;
 pub use patches::{NBlend, RECORDS, Strip, Trimmed, load};
 pub use polynomial::PlanePolynomial;
+pub use sewing::{Sewing, blend};
 pub use widths::{Intent, WidthOptions, Widths, admissible, outward_reach, reach};
 
 #[cfg(doctest)]

@@ -1,5 +1,7 @@
 //! The maps G: which point of which chart goes into which point of a blend.
 
+use std::any::Any;
+
 use glam::DVec2;
 use suture_bernstein::{BezierPatch, MAX_DEGREE};
 
@@ -37,15 +39,36 @@ pub struct MapSet {
     pub missed: f64,
 }
 
+/// What an implementation of [`CornerMaps`] keeps from one call to the next, so that only what changed is made again. It never changes
+/// a result.
+#[derive(Debug, Default)]
+pub struct Memory(Option<Box<dyn Any + Send>>);
+
+impl Memory {
+    /// What was kept, or `fresh` where nothing of that kind was.
+    pub fn recall<T: Any + Send>(&mut self, fresh: impl FnOnce() -> T) -> &mut T {
+        if !self.0.as_ref().is_some_and(|kept| kept.is::<T>()) {
+            self.0 = None;
+        }
+        let kept = self.0.get_or_insert_with(|| Box::new(fresh()));
+        kept.downcast_mut().unwrap_or_else(|| unreachable!("another kind was dropped above"))
+    }
+}
+
 /// How the maps of a network are made: the stage of the blend that is worth swapping. Implementations fulfil (G1)–(G8)
 /// of Wagner et al. (2003) identically, so that the result is C² whatever else they do.
 pub trait CornerMaps {
-    /// The maps for given widths.
+    /// The maps for given widths. `memory` is new, or that of an earlier call.
     ///
     /// # Errors
     /// Every reason at once, so that all widths concerned can change together: [`BlendError::ArcTooShort`] where they leave no room
     /// for a strip, [`BlendError::Singular`].
-    fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, Vec<BlendError>>;
+    fn maps(
+        &self,
+        network: &Network,
+        widths: &Widths,
+        memory: &mut Memory,
+    ) -> Result<MapSet, Vec<BlendError>>;
 
     /// Distance, in widths, between a corner of valence `n` with equal angles and the first cross line of its arcs: the first guess
     /// of what fits on an arc.

@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use glam::{DMat2, DVec2, DVec3};
 use suture_bernstein::{BSplineSurface, BezierPatch};
 
-use crate::maps::{CornerMapSet, CornerMaps, MapSet, Node, StripMaps, all, between, bezier};
+use crate::maps::{CornerMapSet, CornerMaps, MapSet, Memory, Node, StripMaps, all, between, bezier};
 use crate::metric::isometry;
 use crate::network::{Ray, sample_at};
 use crate::polynomial::PlanePolynomial;
@@ -36,7 +36,7 @@ const REDUCED: u32 = 5;
 const SHORTEST_CHAIN: f64 = 0.3;
 
 impl CornerMaps for PaperMaps {
-    fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, Vec<BlendError>> {
+    fn maps(&self, network: &Network, widths: &Widths, _: &mut Memory) -> Result<MapSet, Vec<BlendError>> {
         let lengths: Vec<Vec<f64>> = network.arcs.iter().map(ArcCurve::lengths).collect();
         let corners = network.corners.iter().enumerate();
         let built = all(corners.map(|(c, corner)| corner_maps(network, &lengths, corner, widths, c)))?;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use suture_blend::{Blend, BlendError, CornerMaps, Correspondence, Intent, WidthOptions};
+use suture_blend::{Blend, BlendError, CornerMaps, Correspondence, Intent, Sewing, WidthOptions};
 use suture_certify::{Certificate, CertifyOptions, Deviation, SurfaceSamples, certify, deviation};
 use suture_fit::{Fit, FitOptions, FitSurface, PenalizedLeastSquares};
 use suture_mesh::{RefineOptions, Topology, TriMesh, refine_curved};
@@ -330,7 +330,7 @@ impl Clock<'_> {
     }
 }
 
-/// How often arcs are drawn before the blends are given up: every drawing once, and the first ones again beside what has changed.
+/// How often an arc is drawn before its blends are given up: in every way once, and in the first ones again beside what has changed.
 const REDRAWINGS: usize = 10;
 /// Most rounds of splitting what cannot be blended: each one sews everything anew.
 const MOST_RESEWN: usize = 4;
@@ -346,36 +346,40 @@ fn sew(
     watch: &dyn Watch,
     warnings: &mut Vec<String>,
 ) -> Result<Blend, SutureError> {
-    let mut drawings = vec![0; segmentation.arcs.len()];
-    let mut fewest: Option<(usize, BlendError)> = None;
-    for _ in 0..REDRAWINGS {
+    let mut redrawn = vec![0; segmentation.arcs.len()];
+    let mut sewing: Option<Sewing<'_>> = None;
+    loop {
         if watch.interrupted() {
             return Err(SutureError::Interrupted);
         }
+        let drawings: Vec<usize> = redrawn.iter().map(|&times| times % DRAWINGS.len()).collect();
         let lines = arc_lines(mesh, topology, segmentation, options, &drawings);
         let mut notes = Vec::new();
         let network = network(mesh, topology, segmentation, charted, lines, options, &drawings, &mut notes)?;
-        let error = match suture_blend::blend(&network, stages.maps.as_ref(), &options.widths) {
+        let sewing = match &mut sewing {
+            Some(sewing) => {
+                sewing.redraw(network)?;
+                sewing
+            }
+            none => none.insert(Sewing::new(network, stages.maps.as_ref(), &options.widths)?),
+        };
+        let error = match sewing.sew() {
             Ok(blend) => {
                 warnings.append(&mut notes);
                 return Ok(blend);
             }
             Err(error) => error,
         };
-        let (arcs, segments): (Vec<usize>, usize) = match &error {
-            BlendError::Obstacles { arcs, segments, .. } => (arcs.clone(), segments.len()),
-            _ => ((0..drawings.len()).collect(), usize::MAX),
+        let mut again: Vec<usize> = match &error {
+            BlendError::Obstacles { arcs, .. } => arcs.clone(),
+            _ => (0..redrawn.len()).collect(),
         };
-        if fewest.as_ref().is_none_or(|(least, _)| segments < *least) {
-            fewest = Some((segments, error));
+        again.retain(|&a| redrawn[a] < REDRAWINGS);
+        if again.is_empty() || options.fair == Fairness::Edges {
+            return Err(error.into());
         }
-        if options.fair == Fairness::Edges {
-            break;
-        }
-        arcs.into_iter().for_each(|a| drawings[a] = (drawings[a] + 1) % DRAWINGS.len());
+        again.into_iter().for_each(|a| redrawn[a] += 1);
     }
-    let none = || SutureError::Internal { what: "no way to draw the arcs was tried".into() };
-    Err(fewest.map_or_else(none, |(_, error)| SutureError::from(error)))
 }
 
 /// The segments that a failure of the blends names.

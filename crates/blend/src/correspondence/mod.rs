@@ -9,21 +9,25 @@
 //! Where that cannot work the degrees go down from (2, 2) to (1, 1); a corner whose arcs leave too close to each other gets the
 //! paper's maps, which do not look at the other charts at all.
 
+mod kept;
 mod layout;
 mod line;
 mod project;
 mod reference;
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use suture_bernstein::BezierPatch;
 
+use self::kept::{ArcKey, CornerKey, Kept};
 use self::layout::Layout;
 use self::line::Line;
 use self::project::{Across, GonProjection, hermite, lines};
 use self::reference::{Centre, Jet};
 use crate::check::{LEAST_JACOBIAN, jacobian, strip_jacobian};
-use crate::maps::{CornerMapSet, CornerMaps, MapSet, Node, StripMaps, all, between};
+use crate::maps::{CornerMapSet, CornerMaps, MapSet, Memory, Node, StripMaps, all, between};
 use crate::network::sample_at;
 use crate::paper;
 use crate::polynomial::PlanePolynomial;
@@ -59,66 +63,56 @@ impl Default for Correspondence {
 }
 
 impl CornerMaps for Correspondence {
-    fn maps(&self, network: &Network, widths: &Widths) -> Result<MapSet, Vec<BlendError>> {
+    fn maps(
+        &self,
+        network: &Network,
+        widths: &Widths,
+        memory: &mut Memory,
+    ) -> Result<MapSet, Vec<BlendError>> {
         let top = self.gon.clamp(1, PlanePolynomial::MAX_DEGREE);
         let across = self.across.clamp(top, suture_bernstein::MAX_DEGREE);
-        let lengths: Vec<Vec<f64>> = network.arcs.iter().map(ArcCurve::lengths).collect();
+        let kept = memory.recall(Kept::default);
+        kept.renew(network);
+        let Kept { lengths, back_to_back, corners, arcs, .. } = kept;
         // The ladder: what folds at full degree is made again at degree 1, corners that fold even then by the paper.
         let mut rungs = vec![Rung::Degree(top); network.corners.len()];
         let mut orders = vec![ArcOrder::Degree(across); network.arcs.len()];
-        for (a, arc) in network.arcs.iter().enumerate() {
-            if back_to_back(network, arc) {
-                orders[a] = ArcOrder::Paper;
-                arc.corners.iter().for_each(|&c| rungs[c] = Rung::Paper);
-            }
+        for (a, arc) in network.arcs.iter().enumerate().filter(|(a, _)| back_to_back[*a]) {
+            orders[a] = ArcOrder::Paper;
+            arc.corners.iter().for_each(|&c| rungs[c] = Rung::Paper);
         }
-        let mut corners: Vec<Option<CornerBuild>> = network.corners.iter().map(|_| None).collect();
-        let mut arcs: Vec<Option<ArcBuild>> = network.arcs.iter().map(|_| None).collect();
         loop {
-            // Only what is new: `None` marks what has to be made again.
-            let results: Vec<_> = (corners.into_par_iter().zip(&rungs).enumerate())
-                .map(|(c, (old, &rung))| match old {
-                    Some(build) => Ok(Some(build)),
-                    None => CornerBuild::new(network, &lengths, c, rung, widths).map(Some),
+            let keys: Vec<CornerKey> =
+                rungs.iter().enumerate().map(|(c, &rung)| CornerKey::new(c, rung, widths)).collect();
+            let results: Vec<_> = (corners.par_iter_mut().zip(&keys).enumerate())
+                .map(|(c, (known, &key))| {
+                    known.get(key, || CornerBuild::new(network, lengths, c, key.rung, widths))
                 })
                 .collect();
-            corners = all(results)?;
-            let built: Vec<&CornerBuild> = corners.iter().flatten().collect();
-            let results: Vec<_> = (arcs.into_par_iter().zip(&orders).enumerate())
-                .map(|(a, (old, &order))| match old {
-                    Some(build) => Ok(Some(build)),
-                    None => ArcBuild::new(network, &lengths[a], a, &built, widths, order).map(Some),
+            let corners: Vec<Arc<CornerBuild>> = all(results)?;
+            let results: Vec<_> = (arcs.par_iter_mut().zip(&orders).enumerate())
+                .map(|(a, (known, &order))| {
+                    let ends = network.arcs[a].corners.map(|c| keys[c]);
+                    let key = ArcKey { order, ends, shortest: widths.shortest[a] };
+                    known.get(key, || ArcBuild::new(network, &lengths[a], a, &corners, widths, order))
                 })
                 .collect();
-            arcs = all(results)?;
-            let mut lowered = vec![false; network.corners.len()];
-            let mut again = vec![false; network.arcs.len()];
+            let arcs: Vec<Arc<ArcBuild>> = all(results)?;
+            let (rungs_before, orders_before) = (rungs.clone(), orders.clone());
             for (c, build) in corners.iter().enumerate() {
-                if let (Some(build), Rung::Degree(degree)) = (build, rungs[c])
-                    && build.layout.is_some()
-                    && build.poor(network, c)
+                if let Rung::Degree(degree) = rungs[c]
+                    && build.poor
                 {
                     rungs[c] = if degree > 1 { Rung::Degree(1) } else { Rung::Paper };
-                    lowered[c] = true;
                 }
             }
-            for (a, build) in arcs.iter().enumerate() {
-                let Some(build) = build else { continue };
-                let folds = build.folds();
-                if !folds.iter().any(|&f| f) {
-                    continue;
-                }
+            for (a, build) in arcs.iter().enumerate().filter(|(_, build)| build.folds.contains(&true)) {
+                let folds = build.folds;
                 let ends = network.arcs[a].corners;
-                let mut lower = |c: usize, to: Rung| {
-                    if to < rungs[c] {
-                        rungs[c] = to;
-                        lowered[c] = true;
-                    }
-                };
+                let mut lower = |c: usize, to: Rung| rungs[c] = rungs[c].min(to);
                 match orders[a] {
                     ArcOrder::Degree(q) if q > 1 => {
                         orders[a] = ArcOrder::Degree(1);
-                        again[a] = true;
                         ends.iter().for_each(|&c| lower(c, Rung::Degree(1)));
                     }
                     ArcOrder::Degree(_) => {
@@ -129,23 +123,16 @@ impl CornerMaps for Correspondence {
                         }
                         if folds[2] && ends.iter().any(|&c| widths.reductions[c] >= PAPER_ARC) {
                             orders[a] = ArcOrder::Paper;
-                            again[a] = true;
                             ends.iter().for_each(|&c| lower(c, Rung::Paper));
                         }
                     }
                     ArcOrder::Paper => {}
                 }
             }
-            if !lowered.contains(&true) && !again.contains(&true) {
-                break;
+            if (rungs_before, orders_before) == (rungs.clone(), orders.clone()) {
+                return Ok(assemble(network, &corners, &arcs));
             }
-            for (c, corner) in network.corners.iter().enumerate().filter(|(c, _)| lowered[*c]) {
-                corners[c] = None;
-                corner.arcs.iter().for_each(|e| again[e.arc] = true);
-            }
-            arcs.iter_mut().zip(again).filter(|(_, again)| *again).for_each(|(arc, _)| *arc = None);
         }
-        Ok(assemble(network, corners, arcs))
     }
 
     fn reach(&self, valence: usize) -> f64 {
@@ -172,7 +159,7 @@ enum Rung {
 }
 
 /// How the strips of an arc are made. The paper's need its maps at both ends.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum ArcOrder {
     /// This degree across.
     Degree(usize),
@@ -202,6 +189,8 @@ struct CornerBuild {
     layout: Option<Layout>,
     gon: Vec<PlanePolynomial>,
     missed: Missed,
+    /// Whether a map folds, or most lines missed their surfaces.
+    poor: bool,
     /// The paper's strips with the distance of their connection points, where there is no layout.
     paper: Option<paper::CornerBuild>,
 }
@@ -251,18 +240,17 @@ impl CornerBuild {
                 })
                 .collect();
             if let Some(gon) = gon {
-                return Ok(Self { layout: Some(layout), gon, missed, paper: None });
+                let samples = gon_samples(corner.arcs.len());
+                let folds = |map: &PlanePolynomial| {
+                    jacobian(samples.iter().map(|&p| map.jet(p))) <= LEAST_JACOBIAN
+                };
+                let poor = missed.share() > MOST_MISSED || gon.iter().any(folds);
+                return Ok(Self { layout: Some(layout), gon, missed, poor, paper: None });
             }
         }
         let build = paper::corner_maps(network, lengths, corner, widths, index)?;
-        Ok(Self { layout: None, gon: build.maps.gon.clone(), missed: Missed::default(), paper: Some(build) })
-    }
-
-    /// Whether a map folds, or most lines missed their surfaces.
-    fn poor(&self, network: &Network, index: usize) -> bool {
-        let samples = gon_samples(network.corners[index].arcs.len());
-        self.missed.share() > MOST_MISSED
-            || self.gon.iter().any(|map| jacobian(samples.iter().map(|&p| map.jet(p))) <= LEAST_JACOBIAN)
+        let (gon, missed) = (build.maps.gon.clone(), Missed::default());
+        Ok(Self { layout: None, gon, missed, poor: false, paper: Some(build) })
     }
 }
 
@@ -338,6 +326,8 @@ struct ArcBuild {
     /// Whether the first and the last strip are those beside the corners.
     adjacent: [bool; 2],
     missed: Missed,
+    /// Whether a strip folds: beside the start, beside the end, between.
+    folds: [bool; 3],
 }
 
 /// One end of an arc as its chain sees it.
@@ -377,7 +367,7 @@ impl ArcBuild {
         network: &Network,
         lengths: &[f64],
         index: usize,
-        corners: &[&CornerBuild],
+        corners: &[Arc<CornerBuild>],
         widths: &Widths,
         order: ArcOrder,
     ) -> Result<Self, BlendError> {
@@ -386,7 +376,7 @@ impl ArcBuild {
         let q = match (order, paper) {
             (ArcOrder::Paper, [Some(start), Some(end)]) => {
                 let strips = paper::chain(network, lengths, index, [start, end], widths)?;
-                return Ok(Self { strips, adjacent: [false; 2], missed: Missed::default() });
+                return Ok(Self { strips, adjacent: [false; 2], missed: Missed::default(), folds: [false; 3] });
             }
             (ArcOrder::Degree(q), _) => q,
             (ArcOrder::Paper, _) => 1,
@@ -395,7 +385,7 @@ impl ArcBuild {
         let ends = [0, 1].map(|e| {
             let wanted = ArcEnd { arc: index, starts: e == 0 };
             let slot = network.corners[arc.corners[e]].arcs.iter().position(|x| *x == wanted).unwrap_or(0);
-            let build = corners[arc.corners[e]];
+            let build = &*corners[arc.corners[e]];
             let reach = match (&build.layout, &build.paper) {
                 (Some(layout), _) => layout.reach(slot),
                 (None, Some(paper)) => paper.connections[slot],
@@ -479,7 +469,7 @@ impl ArcBuild {
                 project::chain(&t, [first, last], &samples, mean)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let strips = (0..t.len() - 1)
+        let strips: Vec<StripMaps> = (0..t.len() - 1)
             .map(|k| {
                 let h = t[k + 1] - t[k];
                 let strip = |side: &[Node]| between(&side[k], &side[k + 1], [h; 2]);
@@ -487,23 +477,17 @@ impl ArcBuild {
             })
             .collect::<Result<_, BlendError>>()?;
         let adjacent = ends.map(|e| e.build.layout.is_some());
-        Ok(Self { strips, adjacent, missed })
-    }
-
-    /// Whether a strip folds: beside the start, beside the end, between.
-    fn folds(&self) -> [bool; 3] {
-        let last = self.strips.len() - 1;
         let mut folds = [false; 3];
-        for (k, strip) in self.strips.iter().enumerate() {
+        for (k, strip) in strips.iter().enumerate() {
             let place = match k {
-                0 if self.adjacent[0] => 0,
-                k if k == last && self.adjacent[1] => 1,
+                0 if adjacent[0] => 0,
+                k if k + 1 == strips.len() && adjacent[1] => 1,
                 _ => 2,
             };
             let folded = |map| !(strip_jacobian(map) > LEAST_JACOBIAN);
             folds[place] |= folded(&strip.down) || folded(&strip.up);
         }
-        folds
+        Ok(Self { strips, adjacent, missed, folds })
     }
 }
 
@@ -548,31 +532,32 @@ fn end_node(end: &End<'_>, up: bool, exact: &Across, width: f64) -> Option<Node>
     Some(Node { p: raise(&node.p, 1.0), d: raise(&node.d, speed.recip()), dd: raise(&node.dd, 0.0) })
 }
 
-fn assemble(network: &Network, corners: Vec<Option<CornerBuild>>, arcs: Vec<Option<ArcBuild>>) -> MapSet {
+fn assemble(network: &Network, corners: &[Arc<CornerBuild>], arcs: &[Arc<ArcBuild>]) -> MapSet {
     let mut missed = Missed::default();
     let mut chains: Vec<Vec<StripMaps>> = Vec::new();
     let mut strips: Vec<Vec<Option<StripMaps>>> =
         network.corners.iter().map(|c| vec![None; c.arcs.len()]).collect();
-    for (a, build) in arcs.into_iter().enumerate() {
-        let Some(ArcBuild { strips: mut chain, adjacent, missed: m }) = build else { continue };
-        missed = missed.add(m);
+    for (a, build) in arcs.iter().enumerate() {
+        let mut chain = build.strips.clone();
+        missed = missed.add(build.missed);
         for (e, &c) in network.arcs[a].corners.iter().enumerate() {
             let slot = network.corners[c].arcs.iter().position(|x| *x == ArcEnd { arc: a, starts: e == 0 });
-            if let Some(slot) = slot.filter(|_| adjacent[e]) {
+            if let Some(slot) = slot.filter(|_| build.adjacent[e]) {
                 strips[c][slot] = if e == 0 { Some(turned(chain.remove(0))) } else { chain.pop() };
             }
         }
         chains.push(chain);
     }
     let corners = corners
-        .into_iter()
-        .flatten()
+        .iter()
         .zip(strips)
         .map(|(build, strips)| {
             missed = missed.add(build.missed);
-            match build.paper {
-                Some(paper) => paper.maps,
-                None => CornerMapSet { gon: build.gon, strips: strips.into_iter().flatten().collect() },
+            match &build.paper {
+                Some(paper) => paper.maps.clone(),
+                None => {
+                    CornerMapSet { gon: build.gon.clone(), strips: strips.into_iter().flatten().collect() }
+                }
             }
         })
         .collect();
