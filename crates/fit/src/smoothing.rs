@@ -8,6 +8,8 @@ use crate::{FitError, Smoothing};
 
 /// Half decades above the floor that are searched: seven decades.
 const STEPS: i32 = 14;
+/// Share of the plain score in the robust one (Lukas 2006: 0.3).
+const ROBUST: f64 = 0.3;
 /// Fewest points of the grid that a choice is made from.
 const FEWEST_TRIALS: usize = 6;
 
@@ -53,24 +55,34 @@ pub(crate) fn choose(
         Smoothing::Fixed(lambda) => return at(lambda, false),
         _ => {}
     }
-    let trials = trials(system, points, floor)?;
     let n = n as f64;
     let gcv = |t: &Trial, gamma: f64| {
         let free = 1.0 - gamma * t.trace / n;
         if free > 0.0 { t.residual / (free * free) } else { f64::INFINITY }
     };
-    let (chosen, from_data) = match smoothing {
-        Smoothing::Noise(sigma) => {
-            let target = sigma * sigma_unit;
-            match trials.iter().rposition(|t| t.residual.max(0.0).sqrt() <= target) {
-                Some(k) => (k, true),
-                // No λ reaches the noise level: knots or chart misfit. The smallest λ is kept for the next round only.
-                None => (0, false),
-            }
-        }
-        Smoothing::RobustGcv => (least(&trials, |t| (0.3 + 0.7 * t.trace_squared / n) * gcv(t, 1.0)), true),
-        Smoothing::Gcv { gamma } => (least(&trials, |t| gcv(t, gamma)), true),
-        _ => (0, false),
+    let score = |t: &Trial| match smoothing {
+        Smoothing::RobustGcv => (ROBUST + (1.0 - ROBUST) * t.trace_squared / n) * gcv(t, 1.0),
+        Smoothing::Gcv { gamma } => gcv(t, gamma),
+        _ => 0.0,
+    };
+    let target = match smoothing {
+        Smoothing::Noise(sigma) => Some((sigma * sigma_unit).powi(2)),
+        _ => None,
+    };
+    // The residual grows with λ, and no score is below its share of the residual.
+    let share = if smoothing == Smoothing::RobustGcv { ROBUST } else { 1.0 };
+    let passed = |residual: f64, trials: &[Trial]| match target {
+        Some(target) => residual > target,
+        None => share * residual > trials.iter().map(score).fold(f64::INFINITY, f64::min),
+    };
+    let trials = trials(system, points, floor, passed)?;
+    let (chosen, from_data) = match target {
+        Some(target) => match trials.iter().rposition(|t| t.residual.max(0.0) <= target) {
+            Some(k) => (k, true),
+            // No λ reaches the noise level: knots or chart misfit. The smallest λ is kept for the next round only.
+            None => (0, false),
+        },
+        None => (least(&trials, score), true),
     };
     let t = &trials[chosen];
     let net = system.solve(&system.factor(t.lambda)?, points)?;
@@ -89,14 +101,21 @@ fn least(trials: &[Trial], score: impl Fn(&Trial) -> f64) -> usize {
     best.0
 }
 
-/// Residuals and degrees of freedom over the half-decade grid above `floor`.
+/// Residuals and degrees of freedom over the half-decade grid above `floor`, up to where the residual has `passed` what the trials below
+/// leave to gain.
 ///
 /// `t = N − d log det / d log λ` from a cubic spline through `log det` on the grid, one point wider on either side: no
 /// factorisation beyond those that the residuals need.
-fn trials(system: &System, points: &[DVec3], floor: f64) -> Result<Vec<Trial>, FitError> {
+fn trials(
+    system: &System,
+    points: &[DVec3],
+    floor: f64,
+    passed: impl Fn(f64, &[Trial]) -> bool,
+) -> Result<Vec<Trial>, FitError> {
     let lambda = |k: i32| floor * 10f64.powf(0.5 * f64::from(k));
     let mut log_dets = Vec::new();
-    let mut residuals = Vec::new();
+    let mut residuals: Vec<f64> = Vec::new();
+    let mut trials = Vec::new();
     for k in -1..=STEPS + 1 {
         let factor = match system.factor(lambda(k)) {
             Ok(factor) => factor,
@@ -105,22 +124,36 @@ fn trials(system: &System, points: &[DVec3], floor: f64) -> Result<Vec<Trial>, F
             Err(error) => return Err(error),
         };
         log_dets.push(factor.log_det());
+        if log_dets.len() > FEWEST_TRIALS {
+            trials = finish(system, lambda, &residuals, &log_dets);
+            if residuals.last().is_some_and(|&residual| passed(residual, &trials)) {
+                break;
+            }
+        }
         if (0..=STEPS).contains(&k) {
             residuals.push(system.residual(&system.solve(&factor, points)?, points));
         }
     }
+    Ok(trials)
+}
+
+/// The trials of `residuals` at the inner ones of the values of λ that `log_dets` belong to.
+fn finish(
+    system: &System,
+    lambda: impl Fn(i32) -> f64,
+    residuals: &[f64],
+    log_dets: &[f64],
+) -> Vec<Trial> {
     let step = 0.5 * std::f64::consts::LN_10;
-    // One value of λ beyond the last trial, for the slope there.
-    residuals.truncate(log_dets.len() - 2);
-    let (slopes, bends) = spline(&log_dets, step);
-    Ok(residuals
-        .into_iter()
+    let (slopes, bends) = spline(log_dets, step);
+    residuals
+        .iter()
         .enumerate()
-        .map(|(k, residual)| {
+        .map(|(k, &residual)| {
             let trace = system.unknowns() as f64 - slopes[k + 1];
             Trial { lambda: lambda(k as i32), residual, trace, trace_squared: trace - bends[k + 1] }
         })
-        .collect())
+        .collect()
 }
 
 /// Degrees of freedom at one λ: a central difference of `log det` with a step of 0.02 in `log λ`.
@@ -206,7 +239,7 @@ mod tests {
         let (system, params) = system();
         let points: Vec<DVec3> = params.iter().map(|p| DVec3::new(p.x, p.y, (3.0 * p.x).sin())).collect();
         let floor = system.lambda(1e-4);
-        let trials = trials(&system, &points, floor).unwrap();
+        let trials = trials(&system, &points, floor, |_, _| false).unwrap();
         for k in [0, 2, 5, 9, 14] {
             let exact = dense_trace(&system, params.len(), trials[k].lambda);
             let by_difference = trace(&system, trials[k].lambda).unwrap();
