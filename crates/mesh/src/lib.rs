@@ -35,6 +35,7 @@ pub mod io;
 mod loops;
 mod measure;
 pub mod normals;
+mod iron;
 mod refine;
 pub mod repair;
 mod report;
@@ -48,6 +49,7 @@ pub use check::check;
 pub use error::{MeshError, Place};
 pub use measure::{dihedral_angle, median_edge_length, vertex_normals_area_weighted};
 pub use normals::{EstimateNormals, NormalsError};
+pub use iron::{IronOptions, Ironed, iron};
 pub use refine::{RefineOptions, Refined, refine_curved};
 pub use report::{
     BadIndex, BoundaryLoop, CoincidentVertex, Component, DuplicateFace, Listed, MeshReport, MisorientedEdge,

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use suture_fit::{Fit, FitInput, FitSurface, Outcome};
 use suture_mesh::{Topology, TriMesh};
-use suture_param::{Chart, CollarOptions, Limits, Parameterize, disc_with_collar};
+use suture_param::{Chart, CollarOptions, Disc, Limits, Parameterize, disc_with_collar};
 use suture_segment::Segmentation;
 
 use crate::{SutureError, Watch};
@@ -11,8 +11,8 @@ use crate::{SutureError, Watch};
 /// Most rings of a collar: a bound for meshes whose triangles are tiny against the width of the blends.
 const MAX_RINGS: usize = 12;
 
-/// Parts of the wanted collar that are tried in turn; the last one is a single ring.
-const COLLARS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
+/// Parts of the wanted collar that are tried in turn: all of it, a single ring, and where that matters what lies between.
+const COLLARS: [f64; 4] = [1.0, 0.0, 0.5, 0.25];
 
 /// Residual (relative to the diagonal) up to which a fit is good enough to keep a collar.
 const GOOD_FIT: f64 = 5e-4;
@@ -130,24 +130,35 @@ pub(crate) fn chart_all(
 /// tip spoils the whole chart (spot: residuals of 3e-3 with three rings, 3e-4 with one). The first is an edge wider than the
 /// blends need, because a fit is worst at its rim: of the torus's mean curvature the blends then miss 5 % and not 8 %.
 fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted, SutureError> {
-    let mut best: Option<(f64, Charted)> = None;
+    let mut tried: Vec<(f64, Charted)> = Vec::new();
     let mut failure = None;
-    for part in COLLARS {
-        match collared(context, segment, part * (collar + context.edge)) {
-            Ok(charted) => {
-                let report = &charted.fit.report;
-                let sound = report.guard.passed() && charted.chart.distortion.accepted;
-                if sound && (report.outcome == Outcome::Tolerance || report.rms <= GOOD_FIT) {
-                    return Ok(charted);
+    for (attempt, part) in COLLARS.into_iter().enumerate() {
+        // Where a single ring is no better, the collar is not what is wrong.
+        if let ([(whole, _), (ring, _)], 2) = (&tried[..], attempt)
+            && *ring > WORTH * whole
+        {
+            break;
+        }
+        let width = part * (collar + context.edge);
+        match cut(context, segment, width) {
+            Ok(disc) if tried.iter().any(|(_, known)| known.chart.disc.faces.len() == disc.faces.len()) => {}
+            Ok(disc) => match collared(context, segment, width, disc) {
+                Ok(charted) => {
+                    let report = &charted.fit.report;
+                    let sound = report.guard.passed() && charted.chart.distortion.accepted;
+                    let good = sound && (report.outcome == Outcome::Tolerance || report.rms <= GOOD_FIT);
+                    // A wider one than a single ring may be as good.
+                    if good && part > 0.0 {
+                        return Ok(charted);
+                    }
+                    tried.push((report.rms * if sound { 1.0 } else { UNSOUND }, charted));
                 }
-                let score = report.rms * if sound { 1.0 } else { UNSOUND };
-                if best.as_ref().is_none_or(|(least, _)| score < *least) {
-                    best = Some((score, charted));
-                }
-            }
+                Err(error) => failure = failure.or(Some(error)),
+            },
             Err(error) => failure = failure.or(Some(error)),
         }
     }
+    let best = tried.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
     match (best, failure) {
         (Some((_, charted)), _) => Ok(charted),
         (None, Some(error)) => Err(error),
@@ -158,12 +169,22 @@ fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted,
 /// Residuals of charts with flipped samples or too much distortion count this much more.
 const UNSOUND: f64 = 4.0;
 
-fn collared(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted, SutureError> {
-    let Charting { mesh, topology, segmentation, parameterize, fit, .. } = *context;
+/// The disc of a segment with a collar of this width.
+fn cut(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Disc, SutureError> {
+    let Charting { mesh, topology, segmentation, sharp, .. } = *context;
+    let options = CollarOptions { width: collar, max_rings: MAX_RINGS, sharp };
+    disc_with_collar(mesh, topology, &segmentation.charts[segment].faces, &options)
+        .map_err(|source| SutureError::Chart { segment, source })
+}
+
+fn collared(
+    context: &Charting<'_>,
+    segment: usize,
+    collar: f64,
+    disc: Disc,
+) -> Result<Charted, SutureError> {
+    let Charting { parameterize, fit, .. } = *context;
     let wrong = |source| SutureError::Chart { segment, source };
-    let collar_options = CollarOptions { width: collar, max_rings: MAX_RINGS, sharp: context.sharp };
-    let disc = disc_with_collar(mesh, topology, &segmentation.charts[segment].faces, &collar_options)
-        .map_err(wrong)?;
     let chart = Chart::flatten(disc, &parameterize, &Limits::default()).map_err(wrong)?;
     // A crease or a handle may stop the collar short: there the B-spline continues on its own.
     // Half a knot spacing, about an edge, it does so without harm.

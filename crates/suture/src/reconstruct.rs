@@ -6,7 +6,7 @@ use std::time::Instant;
 use suture_blend::{Blend, BlendError, CornerMaps, Correspondence, Intent, Sewing, WidthOptions};
 use suture_certify::{Certificate, CertifyOptions, Deviation, SurfaceSamples, certify, deviation};
 use suture_fit::{Fit, FitOptions, FitSurface, PenalizedLeastSquares};
-use suture_mesh::{RefineOptions, Topology, TriMesh, refine_curved};
+use suture_mesh::{IronOptions, RefineOptions, Topology, TriMesh, iron, refine_curved};
 use suture_param::{Chart, CollarOptions, Parameterize, Recommended};
 use suture_segment::{Automatic, FairOptions, Limits, Segment, Segmentation, split_charts};
 use suture_tessellate::{Tessellation, TessellationOptions, tessellate};
@@ -58,10 +58,12 @@ pub struct ReconstructOptions {
     pub certify: CertifyOptions,
 }
 
-/// How fine a mesh must be for blends to follow it. Coarser triangles are split with curved midpoints ([`refine_curved`]): fits over few
+/// What is done to a mesh before it is fitted. Its knife edges are ironed ([`iron`]): charts fold there. Coarse triangles are split with curved midpoints ([`refine_curved`]): fits over few
 /// and unequal triangles waver between the vertices, and the blends fold with them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refinement {
+    /// Angle between the normals of neighbouring faces, in radians, beyond which they are moved apart.
+    pub sharpest: f64,
     /// Longest edge, in wanted widths of the blends.
     pub longest: f64,
     /// Largest angle between the normals at the ends of an edge, in radians.
@@ -77,11 +79,20 @@ pub struct Refinement {
 impl Default for Refinement {
     fn default() -> Self {
         let (turn, crease) = (40f64.to_radians(), 50f64.to_radians());
-        Self { longest: 1.0, turn, shortest: 0.15, crease, rounds: 3 }
+        Self { sharpest: 120f64.to_radians(), longest: 1.0, turn, shortest: 0.15, crease, rounds: 3 }
     }
 }
 
 impl Refinement {
+    /// The mesh as it is.
+    pub fn none() -> Self {
+        Self { sharpest: std::f64::consts::PI, rounds: 0, ..Self::default() }
+    }
+
+    fn ironing(&self) -> IronOptions {
+        IronOptions { sharpest: self.sharpest, rest: REST, sweeps: IRON_SWEEPS }
+    }
+
     fn resolve(&self, width: f64) -> RefineOptions {
         RefineOptions {
             longest: self.longest * width,
@@ -92,6 +103,10 @@ impl Refinement {
         }
     }
 }
+
+/// Ironing goes on until edges turn by less than this part of the angle that is too sharp, or this often.
+const REST: f64 = 0.75;
+const IRON_SWEEPS: usize = 50;
 
 /// When segments are split in two and charted again.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -175,10 +190,20 @@ pub fn reconstruct(
     let mut warnings = Vec::new();
     let topology = clock.run(Stage::Mesh, 1, || Ok(Topology::build(mesh)?))?;
     let diagonal = mesh.diagonal();
+    let original = mesh;
+    let ironed = iron(mesh, &topology, &options.refinement.ironing());
+    if !ironed.moved.is_empty() {
+        warnings.push(format!(
+            "{} vertices at knife edges were moved, by up to {:.2} % of the diagonal: no smooth surface follows those (--keep-mesh \
+             leaves them)",
+            ironed.moved.len(),
+            100.0 * ironed.farthest / diagonal
+        ));
+    }
+    let mesh = &TriMesh::new(ironed.positions, mesh.faces.clone());
     let coarse = clock.run(Stage::Segment, 1, || Ok(stages.segment.segment(mesh, &topology)?))?;
     let valence = coarse.corners.iter().map(|c| c.arcs.len()).fold(MOST_SEGMENTS, usize::max);
     let limits = Limits { max_valence: valence };
-    let original = mesh;
     let refined = refine_curved(mesh, &options.refinement.resolve(options.widths.wanted * diagonal))?;
     let mesh = &refined.mesh;
     let topology = Topology::build(mesh)?;

@@ -178,7 +178,7 @@ pub(crate) struct Shape {
     /// Let arcs follow the mesh edges, as in the paper, instead of fair curves on the mesh
     #[arg(long)]
     pub(crate) edge_arcs: bool,
-    /// Fit the triangles as they are, however coarse for the blends, instead of splitting them with curved midpoints
+    /// Fit the triangles as they are, instead of ironing knife edges and splitting what is coarse for the blends with curved midpoints
     #[arg(long)]
     pub(crate) keep_mesh: bool,
     /// Largest distance of the tessellation's chords from the surface

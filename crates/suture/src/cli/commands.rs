@@ -8,7 +8,7 @@ use suture::mesh::{Topology, TriMesh, shapes};
 use suture::segment::write_labels;
 use suture::view::PageModel;
 use suture::{
-    Fairness, ReconstructOptions, Report, Splits, Stages, SutureError, Watch, degrees, reconstruct,
+    Fairness, ReconstructOptions, Report, Refinement, Splits, Stages, SutureError, Watch, degrees, reconstruct,
     repair_all, samples,
 };
 
@@ -189,7 +189,7 @@ fn options(a: &args::Reconstruct) -> ReconstructOptions {
         options.fair = Fairness::Edges;
     }
     if shape.keep_mesh {
-        options.refinement.rounds = 0;
+        options.refinement = Refinement::none();
     }
     if let Some(chord) = shape.chord {
         options.tessellation.chord = chord;
