@@ -63,6 +63,11 @@ impl Charted {
         self.folded() || self.squeezed() || report.rms > tolerance || report.max > MOST_OFF * tolerance
     }
 
+    /// Whether the fit has no flipped samples and the chart no more distortion than it may.
+    pub(crate) fn sound(&self) -> bool {
+        self.fit.report.guard.passed() && self.chart.distortion.accepted
+    }
+
     /// How much there is to gain from splitting the segment.
     pub(crate) fn badness(&self) -> f64 {
         if self.folded() { f64::INFINITY } else { self.fit.report.max }
@@ -145,7 +150,7 @@ fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted,
             Ok(disc) => match collared(context, segment, width, disc) {
                 Ok(charted) => {
                     let report = &charted.fit.report;
-                    let sound = report.guard.passed() && charted.chart.distortion.accepted;
+                    let sound = charted.sound();
                     let good = sound && (report.outcome == Outcome::Tolerance || report.rms <= GOOD_FIT);
                     // A wider one than a single ring may be as good.
                     if good && part > 0.0 {

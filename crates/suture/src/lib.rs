@@ -19,6 +19,7 @@ mod reconstruct;
 mod repair;
 pub mod report;
 mod sew;
+mod splitting;
 mod watch;
 
 pub use error::SutureError;

@@ -3,16 +3,17 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use suture_blend::{Blend, BlendError, CornerMaps, Correspondence, Intent, Sewing, WidthOptions};
+use suture_blend::{Blend, BlendError, CornerMaps, Correspondence, Sewing, WidthOptions};
 use suture_certify::{Certificate, CertifyOptions, Deviation, SurfaceSamples, certify, deviation};
 use suture_fit::{Fit, FitOptions, FitSurface, PenalizedLeastSquares};
 use suture_mesh::{IronOptions, RefineOptions, Topology, TriMesh, iron, refine_curved};
-use suture_param::{Chart, CollarOptions, Parameterize, Recommended};
-use suture_segment::{Automatic, FairOptions, Limits, Segment, Segmentation, split_charts};
+use suture_param::{Chart, Parameterize, Recommended};
+use suture_segment::{Automatic, FairOptions, Limits, Segment, Segmentation};
 use suture_tessellate::{Tessellation, TessellationOptions, tessellate};
 
-use crate::arcs::{DRAWINGS, arc_lines, collar_widths, network};
-use crate::charting::{Charted, Charting, chart_all};
+use crate::arcs::{DRAWINGS, arc_lines, network};
+use crate::charting::Charted;
+use crate::splitting::{Pieces, State};
 use crate::{ByChart, Stage, SutureError, Watch};
 
 /// The stages that can be swapped; the defaults are the best ones known.
@@ -124,13 +125,6 @@ impl Default for Splits {
     }
 }
 
-impl Splits {
-    /// How many charts splitting may add to `charts`.
-    fn most_charts(&self, charts: usize) -> usize {
-        if self.rounds == 0 { 0 } else { charts.max(8) }
-    }
-}
-
 /// Largest valence that splitting may leave: beyond 6 no blend has all coefficients in [0, 1].
 const MOST_SEGMENTS: usize = 6;
 
@@ -213,88 +207,41 @@ pub fn reconstruct(
             .push(format!("{before} triangles were split into {after} where they are coarse for the blends"));
     }
     let labels: Vec<u32> = refined.parents.iter().map(|&f| coarse.labels[f as usize]).collect();
-    let mut segmentation = Segmentation::from_labels_with(mesh, &topology, &labels, limits)?;
+    let segmentation = Segmentation::from_labels_with(mesh, &topology, &labels, limits)?;
 
-    let sharp = match options.widths.intent {
-        Intent::Fidelity => CollarOptions::default().sharp,
-        Intent::Fillet => std::f64::consts::PI,
-    };
-    let most = segmentation.charts.len() + options.splits.most_charts(segmentation.charts.len());
-    let all_charted = |clock: &mut Clock<'_>, segmentation: &Segmentation, known: Vec<Option<Charted>>| {
-        let lines = arc_lines(mesh, &topology, segmentation, options, &vec![0; segmentation.arcs.len()]);
-        let collars =
-            collar_widths(mesh, segmentation, &lines, &options.widths, stages.maps.as_ref(), diagonal);
-        let context = Charting {
-            mesh,
-            topology: &topology,
-            segmentation,
-            parameterize: stages.parameterize.as_ref(),
-            fit: stages.fit.as_ref(),
-            sharp,
-            diagonal,
-            edge: suture_mesh::median_edge_length(mesh),
-        };
-        clock.run(Stage::Fit, segmentation.charts.len(), || chart_all(&context, known, &collars, watch))
-    };
-    let none = segmentation.charts.iter().map(|_| None).collect();
-    let mut charted = all_charted(&mut clock, &segmentation, none)?;
-
-    // Segments that cannot be fitted are split as long as that helps.
-    let given = segmentation.charts.len();
+    let pieces = Pieces::new(mesh, &topology, stages, options, limits, watch);
+    let mut state = pieces.charted(&mut clock, segmentation)?;
+    let given = state.segmentation.charts.len();
     if let Some(tolerance) = options.splits.tolerance {
-        let mut resists: Vec<Vec<u32>> = Vec::new();
-        for _ in 0..options.splits.rounds {
-            let mut poor: Vec<usize> = (0..charted.len())
-                .filter(|&s| charted[s].poor(tolerance) && !resists.contains(&segmentation.charts[s].faces))
-                .collect();
-            // The worst first, should there be too many.
-            poor.sort_by(|&a, &b| charted[b].badness().total_cmp(&charted[a].badness()).then(a.cmp(&b)));
-            poor.truncate(most.saturating_sub(segmentation.charts.len()));
-            let trial = split_charts(mesh, &topology, &segmentation, &poor, limits)?;
-            if trial.charts.len() == segmentation.charts.len() {
-                break;
-            }
-            let (known, wholes) = keep(charted, &segmentation, &trial);
-            let parts = all_charted(&mut clock, &trial, known)?;
-            let labels = accept(&segmentation, &trial, &wholes, &parts, &mut resists);
-            let mut pool: BTreeMap<Vec<u32>, Charted> =
-                trial.charts.iter().map(|c| c.faces.clone()).zip(parts).collect();
-            pool.extend(wholes.into_iter().map(|(s, whole)| (segmentation.charts[s].faces.clone(), whole)));
-            segmentation = Segmentation::from_labels_with(mesh, &topology, &labels, limits)?;
-            let known = segmentation.charts.iter().map(|c| pool.remove(&c.faces)).collect();
-            charted = all_charted(&mut clock, &segmentation, known)?;
-        }
+        state = pieces.split_poor(&mut clock, state, tolerance)?;
     }
-    if segmentation.charts.len() > given {
-        let parts = segmentation.charts.len() - given;
+    let parts = state.segmentation.charts.len() - given;
+    if parts > 0 {
         warnings.push(format!("{parts} segments were split: their charts folded or missed the tolerance"));
     }
-    // What cannot be blended is split as well.
     let mut round = 0;
     let blend = loop {
+        let State { segmentation, charted, .. } = &state;
         let sewn = clock.run(Stage::Blend, 1, || {
-            sew(mesh, &topology, &segmentation, &charted, stages, options, watch, &mut warnings)
+            sew(mesh, &topology, segmentation, charted, stages, options, watch, &mut warnings)
         });
         let error = match sewn {
             Ok(blend) => break blend,
             Err(error) => error,
         };
-        let mut blamed = blamed(&error);
-        blamed.truncate(most.saturating_sub(segmentation.charts.len()));
-        if round == options.splits.rounds.min(MOST_RESEWN) || blamed.is_empty() {
+        if round == options.splits.rounds.min(MOST_RESEWN) {
             return Err(error);
         }
         round += 1;
-        let next = split_charts(mesh, &topology, &segmentation, &blamed, limits)?;
-        let parts = next.charts.len() - segmentation.charts.len();
-        if parts == 0 {
-            return Err(error);
-        }
-        warnings.push(format!("{parts} segments were split: {error}"));
-        let (known, _) = keep(charted, &segmentation, &next);
-        segmentation = next;
-        charted = all_charted(&mut clock, &segmentation, known)?;
+        let before = segmentation.charts.len();
+        state = match pieces.change(&mut clock, state, &blamed(&error))? {
+            Some(state) => state,
+            None => return Err(error),
+        };
+        let after = state.segmentation.charts.len();
+        warnings.push(format!("{before} segments became {after}: {error}"));
     };
+    let State { segmentation, charted, .. } = state;
     let tessellation =
         clock.run(Stage::Tessellate, 1, || Ok(tessellate(&blend.surface, &options.tessellation)?))?;
     let certificate =
@@ -332,13 +279,13 @@ pub fn samples(tessellation: &Tessellation) -> SurfaceSamples<'_> {
     }
 }
 
-struct Clock<'a> {
+pub(crate) struct Clock<'a> {
     seconds: BTreeMap<&'static str, f64>,
     watch: &'a dyn Watch,
 }
 
 impl Clock<'_> {
-    fn run<T>(
+    pub(crate) fn run<T>(
         &mut self,
         stage: Stage,
         steps: usize,
@@ -357,8 +304,8 @@ impl Clock<'_> {
 
 /// How often an arc is drawn before its blends are given up: in every way once, and in the first ones again beside what has changed.
 const REDRAWINGS: usize = 10;
-/// Most rounds of splitting what cannot be blended: each one sews everything anew.
-const MOST_RESEWN: usize = 4;
+/// Most rounds of changing what cannot be blended: each one sews everything anew.
+const MOST_RESEWN: usize = 6;
 
 /// Blends the charts; arcs along which no width fits are drawn in other ways.
 fn sew(
@@ -413,45 +360,4 @@ fn blamed(error: &SutureError) -> Vec<usize> {
         SutureError::Blend(BlendError::Obstacles { segments, .. }) => segments.clone(),
         _ => Vec::new(),
     }
-}
-
-/// Of the charted segments those that a split leaves as they are, and by their number those that it cuts.
-fn keep(
-    charted: Vec<Charted>,
-    before: &Segmentation,
-    after: &Segmentation,
-) -> (Vec<Option<Charted>>, BTreeMap<usize, Charted>) {
-    let mut cut = BTreeMap::new();
-    let mut known: Vec<Option<Charted>> = Vec::with_capacity(after.charts.len());
-    for (s, whole) in charted.into_iter().enumerate() {
-        if after.charts[s].faces == before.charts[s].faces {
-            known.push(Some(whole));
-        } else {
-            known.push(None);
-            cut.insert(s, whole);
-        }
-    }
-    known.resize_with(after.charts.len(), || None);
-    (known, cut)
-}
-
-/// The labels of a trial without the splits that do not help; the faces of those wholes go to `resists`.
-fn accept(
-    before: &Segmentation,
-    trial: &Segmentation,
-    wholes: &BTreeMap<usize, Charted>,
-    parts: &[Charted],
-    resists: &mut Vec<Vec<u32>>,
-) -> Vec<u32> {
-    let mut labels = trial.labels.clone();
-    for new in before.charts.len()..trial.charts.len() {
-        let faces = &trial.charts[new].faces;
-        // A new segment was cut from the one that its faces belonged to.
-        let Some(old) = faces.first().map(|&f| before.labels[f as usize] as usize) else { continue };
-        if wholes.get(&old).is_none_or(|whole| !whole.worse_than([&parts[old], &parts[new]])) {
-            faces.iter().for_each(|&f| labels[f as usize] = old as u32);
-            resists.push(before.charts[old].faces.clone());
-        }
-    }
-    labels
 }
