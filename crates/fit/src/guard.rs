@@ -40,6 +40,7 @@ pub(crate) fn inspect(chart: &Chart<'_>, cells: &Cells, params: &[DVec2], net: &
             let jet = grid.jet(net, at);
             if jet.du.cross(jet.dv).dot(normal) * chart.orientation <= 0.0 {
                 report.flipped += 1;
+                report.flipped_inside += usize::from(t.iter().all(|&v| chart.in_segment[v as usize]));
                 flipped_cell = flipped_cell.or(Some(grid.locate(at).0));
             }
         }

@@ -26,6 +26,8 @@ pub struct GuardReport {
     pub outside: usize,
     /// Samples inside the chart whose normal opposes the mesh's in the returned fit.
     pub flipped: usize,
+    /// Those of them inside the segment itself.
+    pub flipped_inside: usize,
     /// Largest distance outside the inflated bounding box, relative to the diagonal.
     pub overshoot: f64,
     /// The cell of the worst sample, if any failed.

@@ -68,6 +68,16 @@ impl Charted {
         self.fit.report.guard.passed() && self.chart.distortion.accepted
     }
 
+    /// How much more a residual counts for what is wrong with the chart.
+    fn doubt(&self) -> f64 {
+        match () {
+            () if self.folded() || self.squeezed() => FOLDED,
+            () if self.fit.report.guard.flipped_inside > 0 => TURNED,
+            () if !self.sound() => UNSOUND,
+            () => 1.0,
+        }
+    }
+
     /// How much there is to gain from splitting the segment.
     pub(crate) fn badness(&self) -> f64 {
         if self.folded() { f64::INFINITY } else { self.fit.report.max }
@@ -139,8 +149,9 @@ fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted,
     let mut failure = None;
     for (attempt, part) in COLLARS.into_iter().enumerate() {
         // Where a single ring is no better, the collar is not what is wrong.
-        if let ([(whole, _), (ring, _)], 2) = (&tried[..], attempt)
+        if let ([(whole, first), (ring, _)], 2) = (&tried[..], attempt)
             && *ring > WORTH * whole
+            && first.doubt() <= UNSOUND
         {
             break;
         }
@@ -156,7 +167,7 @@ fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted,
                     if good && part > 0.0 {
                         return Ok(charted);
                     }
-                    tried.push((report.rms * if sound { 1.0 } else { UNSOUND }, charted));
+                    tried.push((report.rms * charted.doubt(), charted));
                 }
                 Err(error) => failure = failure.or(Some(error)),
             },
@@ -171,8 +182,11 @@ fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted,
     }
 }
 
-/// Residuals of charts with flipped samples or too much distortion count this much more.
+/// Residuals count this much more where the guards of the fit or the limits of the distortion do not hold, where the fit turns over in
+/// the segment itself, and where the chart folds or is squeezed: with that no blend can be made.
 const UNSOUND: f64 = 4.0;
+const TURNED: f64 = 16.0;
+const FOLDED: f64 = 256.0;
 
 /// The disc of a segment with a collar of this width.
 fn cut(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Disc, SutureError> {

@@ -104,8 +104,9 @@ impl<'a> Pieces<'a> {
         blamed: &[usize],
     ) -> Result<Option<State>, SutureError> {
         let count = state.segmentation.charts.len();
+        let tolerance = self.options.splits.tolerance.unwrap_or(f64::INFINITY);
         let (mut labels, mut undone) = (state.segmentation.labels.clone(), Vec::new());
-        for &s in blamed.iter().filter(|&&s| !state.charted[s].sound()) {
+        for &s in blamed.iter().filter(|&&s| state.charted[s].poor(tolerance)) {
             let faces = |s: usize| &state.segmentation.charts[s].faces;
             let sibling = state.splits.iter().enumerate().find_map(|(k, [a, b])| {
                 let other = if a == faces(s) { b } else { Some(a).filter(|_| b == faces(s))? };
