@@ -80,7 +80,7 @@ pub struct Refinement {
 impl Default for Refinement {
     fn default() -> Self {
         let (turn, crease) = (40f64.to_radians(), 50f64.to_radians());
-        Self { sharpest: 120f64.to_radians(), longest: 1.0, turn, shortest: 0.15, crease, rounds: 3 }
+        Self { sharpest: 140f64.to_radians(), longest: 1.0, turn, shortest: 0.15, crease, rounds: 3 }
     }
 }
 
@@ -106,7 +106,7 @@ impl Refinement {
 }
 
 /// Ironing goes on until edges turn by less than this part of the angle that is too sharp, or this often.
-const REST: f64 = 0.75;
+const REST: f64 = 1.0;
 const IRON_SWEEPS: usize = 50;
 
 /// When segments are split in two and charted again.

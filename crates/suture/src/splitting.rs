@@ -20,8 +20,9 @@ pub(crate) struct State {
     most: usize,
     /// The faces of both parts of every split.
     splits: Vec<[Vec<u32>; 2]>,
-    /// The faces of segments that are not split again: it did not help.
-    whole: Vec<Vec<u32>>,
+    /// The faces of segments whose fits splitting does not improve, and of those whose splits were undone.
+    resists: Vec<Vec<u32>>,
+    undone: Vec<Vec<u32>>,
 }
 
 /// What all segmentations of one mesh share.
@@ -68,7 +69,7 @@ impl<'a> Pieces<'a> {
         let charted = self.chart_all(clock, &segmentation, known)?;
         let count = segmentation.charts.len();
         let most = count + if self.options.splits.rounds == 0 { 0 } else { count.max(FEW) };
-        Ok(State { segmentation, charted, most, splits: Vec::new(), whole: Vec::new() })
+        Ok(State { segmentation, charted, most, splits: Vec::new(), resists: Vec::new(), undone: Vec::new() })
     }
 
     /// Splits segments whose charts fold or whose fits miss the tolerance, as long as that helps.
@@ -79,9 +80,13 @@ impl<'a> Pieces<'a> {
         tolerance: f64,
     ) -> Result<State, SutureError> {
         for _ in 0..self.options.splits.rounds {
-            let State { segmentation, charted, most, whole, .. } = &state;
+            let State { segmentation, charted, most, resists, undone, .. } = &state;
             let mut poor: Vec<usize> = (0..charted.len())
-                .filter(|&s| charted[s].poor(tolerance) && !whole.contains(&segmentation.charts[s].faces))
+                .filter(|&s| charted[s].poor(tolerance))
+                .filter(|&s| {
+                    let faces = &segmentation.charts[s].faces;
+                    !resists.contains(faces) && !undone.contains(faces)
+                })
                 .collect();
             // The worst first, should there be too many.
             poor.sort_by(|&a, &b| charted[b].badness().total_cmp(&charted[a].badness()).then(a.cmp(&b)));
@@ -105,7 +110,7 @@ impl<'a> Pieces<'a> {
     ) -> Result<Option<State>, SutureError> {
         let count = state.segmentation.charts.len();
         let tolerance = self.options.splits.tolerance.unwrap_or(f64::INFINITY);
-        let (mut labels, mut undone) = (state.segmentation.labels.clone(), Vec::new());
+        let (mut labels, mut merged) = (state.segmentation.labels.clone(), Vec::new());
         for &s in blamed.iter().filter(|&&s| state.charted[s].poor(tolerance)) {
             let faces = |s: usize| &state.segmentation.charts[s].faces;
             let sibling = state.splits.iter().enumerate().find_map(|(k, [a, b])| {
@@ -118,30 +123,30 @@ impl<'a> Pieces<'a> {
             // Other splits may have made the whole one that meets itself.
             if Segmentation::from_labels_with(self.mesh, self.topology, &trial, self.limits).is_ok() {
                 labels = trial;
-                undone.push(k);
+                merged.push(k);
                 let mut whole: Vec<u32> = state.splits[k].concat();
                 whole.sort_unstable();
-                state.whole.push(whole);
+                state.undone.push(whole);
             }
         }
-        let next = if undone.is_empty() {
+        let next = if merged.is_empty() {
             let mut split: Vec<usize> = blamed.to_vec();
-            split.retain(|&s| !state.whole.contains(&state.segmentation.charts[s].faces));
+            split.retain(|&s| !state.undone.contains(&state.segmentation.charts[s].faces));
             split.truncate(state.most.saturating_sub(count));
             split_charts(self.mesh, self.topology, &state.segmentation, &split, self.limits)?
         } else {
             Segmentation::from_labels_with(self.mesh, self.topology, &labels, self.limits)?
         };
-        if undone.is_empty() && next.charts.len() == count {
+        if merged.is_empty() && next.charts.len() == count {
             return Ok(None);
         }
-        let State { segmentation, charted, most, mut splits, whole } = state;
-        undone.sort_unstable();
-        undone.into_iter().rev().for_each(|k| drop(splits.remove(k)));
+        let State { segmentation, charted, most, mut splits, resists, undone } = state;
+        merged.sort_unstable();
+        merged.into_iter().rev().for_each(|k| drop(splits.remove(k)));
         let mut pool = pool(&segmentation, charted);
         let known = next.charts.iter().map(|c| pool.remove(&c.faces)).collect();
         let charted = self.chart_all(clock, &next, known)?;
-        Ok(Some(State { segmentation: next, charted, most, splits, whole }))
+        Ok(Some(State { segmentation: next, charted, most, splits, resists, undone }))
     }
 
     fn chart_all(
@@ -176,7 +181,7 @@ impl<'a> Pieces<'a> {
         state: State,
         trial: Segmentation,
     ) -> Result<State, SutureError> {
-        let State { segmentation: before, charted, most, mut splits, mut whole } = state;
+        let State { segmentation: before, charted, most, mut splits, mut resists, undone } = state;
         let mut labels = trial.labels.clone();
         let mut pool = pool(&before, charted);
         let known = trial.charts.iter().map(|c| pool.remove(&c.faces)).collect();
@@ -191,14 +196,14 @@ impl<'a> Pieces<'a> {
                 splits.push([trial.charts[old].faces.clone(), faces.clone()]);
             } else {
                 faces.iter().for_each(|&f| labels[f as usize] = old as u32);
-                whole.push(faces_before.clone());
+                resists.push(faces_before.clone());
             }
         }
         pool.extend(trial.charts.iter().map(|c| c.faces.clone()).zip(parts));
         let segmentation = Segmentation::from_labels_with(self.mesh, self.topology, &labels, self.limits)?;
         let known = segmentation.charts.iter().map(|c| pool.remove(&c.faces)).collect();
         let charted = self.chart_all(clock, &segmentation, known)?;
-        Ok(State { segmentation, charted, most, splits, whole })
+        Ok(State { segmentation, charted, most, splits, resists, undone })
     }
 }
 
