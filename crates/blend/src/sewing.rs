@@ -84,6 +84,11 @@ impl<'a> Sewing<'a> {
         Ok(())
     }
 
+    /// From now on blends may become as narrow as this, relative to the diagonal.
+    pub fn allow(&mut self, narrowest: f64) {
+        self.options.narrowest = narrowest;
+    }
+
     /// Makes the maps, narrower and narrower where they cannot be used, and of them the surface.
     ///
     /// # Errors
