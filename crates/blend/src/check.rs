@@ -15,6 +15,8 @@ const LOOP_SAMPLES: usize = 32;
 
 /// Smallest Jacobian of a strip map relative to its largest: what 25 × 9 samples may miss of a fold is small against it.
 pub(crate) const LEAST_JACOBIAN: f64 = 0.02;
+/// The same where narrower blends are worth trying: the curvature grows like its inverse square.
+const GOOD_JACOBIAN: f64 = 0.1;
 
 /// Largest distance of two points that are blended, in widths, beyond what the surfaces are apart on the arc itself. At a crease of
 /// 130° it is 1.2 widths.
@@ -36,7 +38,11 @@ pub struct Obstacle {
 impl Obstacle {
     /// Whether a surface with this obstacle is ugly but one: to be removed by narrower blends, to be left where none are narrow enough.
     pub(crate) fn bearable(&self) -> bool {
-        matches!(self.error, BlendError::Apart { .. })
+        match self.error {
+            BlendError::Apart { .. } => true,
+            BlendError::Fold { jacobian, .. } => jacobian > LEAST_JACOBIAN,
+            _ => false,
+        }
     }
 }
 
@@ -170,7 +176,7 @@ fn check_strip(
         let grid = jets(map);
         let ratio = jacobian(grid.iter().copied());
         report.jacobian = report.jacobian.min(ratio);
-        if !(ratio > LEAST_JACOBIAN) {
+        if !(ratio > GOOD_JACOBIAN) {
             let error = BlendError::Fold { place: place(), segment, jacobian: ratio };
             report.obstacles.push(Obstacle {
                 error,

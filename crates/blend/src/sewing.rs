@@ -143,10 +143,10 @@ impl<'a> Sewing<'a> {
         let mut folding = vec![false; self.folds.len()];
         for obstacle in obstacles {
             obstacle.corners.iter().for_each(|&c| shrinks[c] = self.may_shrink(c));
-            if !matches!(obstacle.error, BlendError::ArcTooShort { .. } | BlendError::Apart { .. }) {
+            if !obstacle.bearable() && !matches!(obstacle.error, BlendError::ArcTooShort { .. }) {
                 obstacle.corners.iter().for_each(|&c| folds_at[c] = true);
             }
-            if let Some(arc) = obstacle.chain {
+            if let Some(arc) = obstacle.chain.filter(|_| !obstacle.bearable()) {
                 folding[arc] = true;
             }
         }
