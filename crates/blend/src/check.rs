@@ -1,11 +1,16 @@
 //! Are the maps of a network usable: no fold, no ring that crosses itself, nothing outside the domain of a B-spline?
 
-use glam::DVec2;
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use suture_bernstein::{BSplineSurface, BezierPatch, Jet2};
+use suture_surface::{Patch, PatchKind};
 
 use crate::assemble::trimming_loop;
 use crate::maps::{MapSet, StripMaps};
+use crate::patches::{NBlend, Strip};
+use crate::polynomial::PlanePolynomial;
 use crate::{ArcCurve, BlendError, Network, gon};
 
 /// Samples across a strip; three times as many along it.
@@ -17,6 +22,9 @@ const LOOP_SAMPLES: usize = 32;
 pub(crate) const LEAST_JACOBIAN: f64 = 0.02;
 /// The same where narrower blends are worth trying: the curvature grows like its inverse square.
 const GOOD_JACOBIAN: f64 = 0.1;
+
+/// Smallest area element of a blend relative to those of the surfaces it blends.
+const LEAST_AREA: f64 = 0.2;
 
 /// Largest distance of two points that are blended, in widths, beyond what the surfaces are apart on the arc itself. At a crease of
 /// 130° it is 1.2 widths.
@@ -36,10 +44,11 @@ pub struct Obstacle {
 }
 
 impl Obstacle {
-    /// Whether a surface with this obstacle is ugly but one: to be removed by narrower blends, to be left where none are narrow enough.
+    /// Whether a surface with this obstacle is ugly but one: to be removed by narrower blends or other arcs, to be left where neither
+    /// helps.
     pub(crate) fn bearable(&self) -> bool {
         match self.error {
-            BlendError::Apart { .. } => true,
+            BlendError::Apart { .. } | BlendError::Crumpled { .. } => true,
             BlendError::Fold { jacobian, .. } => jacobian > LEAST_JACOBIAN,
             _ => false,
         }
@@ -136,6 +145,7 @@ fn check_corner(network: &Network, maps: &MapSet, widths: &[f64], c: usize) -> M
         let place = || format!("the strip beside corner {c} on arc {arc}");
         let grid = check_strip(network, strip, sides, &[c], arc, false, &place, &mut report);
         check_apart(network, arc, grid, sides, widths[c], &[c], &place, &mut report);
+        check_strip_area(network, strip, sides, arc, &place, &mut report);
     }
     for (j, map) in set.gon.iter().enumerate() {
         let segment = network.segment(corner, j);
@@ -143,6 +153,22 @@ fn check_corner(network: &Network, maps: &MapSet, widths: &[f64], c: usize) -> M
         let place = || format!("the N-blend at corner {c}");
         let arcs: Vec<usize> = corner.arcs.iter().map(|end| end.arc).collect();
         check_inside(&network.surfaces[segment], segment, points, &[c], &arcs, &place, &mut report);
+    }
+    let surfaces: Vec<_> = (0..n).map(|j| network.surfaces[network.segment(corner, j)].clone()).collect();
+    let parts: Vec<_> = surfaces.iter().cloned().zip(&set.gon).collect();
+    if let Some(blend) = NBlend::new(surfaces, set.gon.clone()) {
+        let r = gon::corners(n);
+        let around = (0..n).flat_map(|j| [r[j], 0.5 * (r[j] + r[(j + 1) % n])]);
+        let points = around.flat_map(|p| [0.45 * p, 0.9 * p]).chain([DVec2::ZERO]);
+        let areas = points.map(|at| {
+            let of = |(surface, map): &(Arc<BSplineSurface<DVec3>>, &PlanePolynomial)| {
+                let map = map.jet(at);
+                surface.jet(map.p).compose(&map)
+            };
+            area(&blend.jet(at), parts.iter().map(of))
+        });
+        let arcs = corner.arcs.iter().map(|end| end.arc).collect();
+        check_area(areas, &|| format!("the N-blend at corner {c}"), arcs, &mut report);
     }
     report
 }
@@ -157,6 +183,7 @@ fn check_chain(network: &Network, maps: &MapSet, widths: &[f64], a: usize) -> Ma
         let grid = check_strip(network, strip, sides, &corners, a, true, &place, &mut report);
         let width = widths[corners[0]].max(widths[corners[1]]);
         check_apart(network, a, grid, sides, width, &corners, &place, &mut report);
+        check_strip_area(network, strip, sides, a, &place, &mut report);
     }
     report
 }
@@ -218,6 +245,53 @@ fn check_apart(
         let error = BlendError::Apart { place: place(), segments: sides, distance: distance / width };
         report.obstacles.push(Obstacle { error, corners: corners.to_vec(), chain: None, arcs: vec![arc] });
     }
+}
+
+/// Area element of a blend relative to the mean of those of its parts, by the direction of their normals.
+fn area(blend: &Jet2, parts: impl Iterator<Item = Jet2>) -> f64 {
+    let (sum, total, count) = parts.fold((DVec3::ZERO, 0.0, 0.0), |(sum, total, count), part| {
+        let normal = part.du.cross(part.dv);
+        (sum + normal, total + normal.length(), count + 1.0)
+    });
+    blend.du.cross(blend.dv).dot(sum.normalize_or_zero()) * count / total
+}
+
+fn check_area(
+    areas: impl Iterator<Item = f64>,
+    place: &dyn Fn() -> String,
+    arcs: Vec<usize>,
+    report: &mut MapReport,
+) {
+    let ratio = areas.fold(f64::INFINITY, f64::min);
+    if ratio < LEAST_AREA {
+        // Narrower blends would be steeper still.
+        let error = BlendError::Crumpled { place: place(), ratio };
+        report.obstacles.push(Obstacle { error, corners: Vec::new(), chain: None, arcs });
+    }
+}
+
+fn check_strip_area(
+    network: &Network,
+    maps: &StripMaps,
+    sides: [usize; 2],
+    arc: usize,
+    place: &dyn Fn() -> String,
+    report: &mut MapReport,
+) {
+    let surfaces = sides.map(|segment| network.surfaces[segment].clone());
+    let maps = [maps.down.clone(), maps.up.clone()];
+    let strip = Strip::new(surfaces.clone(), maps.clone(), PatchKind::AdjacentStrip);
+    let part = |i: usize, n: usize| i as f64 / n as f64;
+    let points =
+        (0..=SAMPLES).flat_map(|i| (1..SAMPLES).map(move |j| DVec2::new(part(i, SAMPLES), part(j, SAMPLES))));
+    let areas = points.map(|at| {
+        let of = |k: usize| {
+            let map = maps[k].jet(at);
+            surfaces[k].jet(map.p).compose(&map)
+        };
+        area(&strip.jet(at), (0..2).map(of))
+    });
+    check_area(areas, place, vec![arc], report);
 }
 
 /// Smallest Jacobian of a strip map relative to its largest.

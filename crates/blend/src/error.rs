@@ -90,6 +90,17 @@ pub enum BlendError {
         /// Largest distance of points that are blended, in widths.
         distance: f64,
     },
+    /// A blend folds though its maps do not.
+    #[error(
+        "{place} folds (its smallest area is {ratio:.2} of that of the surfaces it blends): these lie too far apart for its width; use \
+         a larger width (--d-in, --d-out) or split these segments"
+    )]
+    Crumpled {
+        /// Which strip or N-blend.
+        place: String,
+        /// Smallest area element relative to those of the blended surfaces; negative where the blend turns over.
+        ratio: f64,
+    },
     /// The ring of blending regions of a segment crosses itself.
     #[error(
         "the blends around segment {segment} overlap inside it; use a smaller width (--d-in, --d-out) or a segmentation without \

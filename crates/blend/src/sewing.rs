@@ -14,6 +14,9 @@ const SHRINK: f64 = 0.8;
 /// scatters, shorter ones follow what bends.
 const LENGTHS: [f64; 5] = [1.0, 2.0, 0.5, 1.4, 0.7];
 
+/// Part of the wanted width below which blends become narrower only where they cannot be made otherwise.
+const NARROW: f64 = 0.2;
+
 /// Blends a network of B-splines into one C² surface.
 ///
 /// Widths that were not given shrink, at the corners concerned, until every map is usable; where a chain folds, the length of
@@ -34,6 +37,8 @@ pub struct Sewing<'a> {
     /// Lengths of strips that [`LENGTHS`] multiply, and how often the chain of every arc folded.
     lengths: Vec<f64>,
     folds: Vec<usize>,
+    /// Whether nothing is borne that other arcs may mend.
+    strict: bool,
     memory: Memory,
     findings: Findings,
 }
@@ -53,7 +58,7 @@ impl<'a> Sewing<'a> {
         let lengths = widths.shortest.clone();
         let folds = vec![0; lengths.len()];
         let (memory, findings) = Default::default();
-        Ok(Self { network, maps, options: *options, widths, lengths, folds, memory, findings })
+        Ok(Self { network, maps, options: *options, widths, lengths, folds, strict: false, memory, findings })
     }
 
     /// Goes on with other lines for some arcs: around these the widths start again.
@@ -84,9 +89,9 @@ impl<'a> Sewing<'a> {
         Ok(())
     }
 
-    /// From now on blends may become as narrow as this, relative to the diagonal.
-    pub fn allow(&mut self, narrowest: f64) {
-        self.options.narrowest = narrowest;
+    /// Whether to refuse what other arcs may mend: narrow blends, and blends that fold though their maps do not. At first it does not.
+    pub fn be_strict(&mut self, strict: bool) {
+        self.strict = strict;
     }
 
     /// Makes the maps, narrower and narrower where they cannot be used, and of them the surface.
@@ -100,7 +105,7 @@ impl<'a> Sewing<'a> {
                     let report = self.findings.update(&self.network, set, &self.widths.corner);
                     let shrinks = |o: &Obstacle| attempt < ATTEMPTS && self.shrinks(o);
                     match self.findings.maps() {
-                        Some(set) if report.obstacles.iter().all(|o| o.bearable() && !shrinks(o)) => {
+                        Some(set) if report.obstacles.iter().all(|o| self.bears(o) && !shrinks(o)) => {
                             return assemble(&self.network, set, self.widths.clone(), report);
                         }
                         _ => report.obstacles,
@@ -109,21 +114,28 @@ impl<'a> Sewing<'a> {
                 Err(errors) => errors.into_iter().map(|e| self.too_short(e)).collect::<Result<_, _>>()?,
             };
             if attempt == ATTEMPTS || !self.narrow(&obstacles) {
-                return Err(unusable(obstacles));
+                return Err(self.unusable(obstacles));
             }
         }
-        Err(unusable(Vec::new()))
+        Err(self.unusable(Vec::new()))
     }
 
-    /// Whether the blends at a corner may become narrower.
-    fn may_shrink(&self, corner: usize) -> bool {
-        let automatic = self.options.d_in.is_none() && self.options.d_out.is_none();
-        automatic && self.widths.corner[corner] * SHRINK >= self.options.narrowest * self.network.diagonal
+    fn bears(&self, obstacle: &Obstacle) -> bool {
+        obstacle.bearable() && !(self.strict && matches!(obstacle.error, BlendError::Crumpled { .. }))
+    }
+
+    /// Whether the blends at a corner may become narrower for the sake of this obstacle.
+    fn may_shrink(&self, corner: usize, obstacle: &Obstacle) -> bool {
+        let WidthOptions { d_in, d_out, narrowest, wanted, .. } = self.options;
+        let comfort = self.strict || obstacle.bearable();
+        let narrowest = if comfort { narrowest.max(NARROW * wanted) } else { narrowest };
+        let automatic = d_in.is_none() && d_out.is_none();
+        automatic && self.widths.corner[corner] * SHRINK >= narrowest * self.network.diagonal
     }
 
     /// Whether all blends that an obstacle depends on may become narrower.
     fn shrinks(&self, obstacle: &Obstacle) -> bool {
-        obstacle.corners.iter().all(|&c| self.may_shrink(c))
+        !obstacle.corners.is_empty() && obstacle.corners.iter().all(|&c| self.may_shrink(c, obstacle))
     }
 
     /// The obstacle that an arc without room is. How narrow the blends at its ends have to be is known.
@@ -142,7 +154,7 @@ impl<'a> Sewing<'a> {
         let (mut shrinks, mut folds_at) = (vec![false; count], vec![false; count]);
         let mut folding = vec![false; self.folds.len()];
         for obstacle in obstacles {
-            obstacle.corners.iter().for_each(|&c| shrinks[c] = self.may_shrink(c));
+            obstacle.corners.iter().for_each(|&c| shrinks[c] |= self.may_shrink(c, obstacle));
             if !obstacle.bearable() && !matches!(obstacle.error, BlendError::ArcTooShort { .. }) {
                 obstacle.corners.iter().for_each(|&c| folds_at[c] = true);
             }
@@ -162,28 +174,25 @@ impl<'a> Sewing<'a> {
         }
         shrinks.contains(&true)
     }
-}
 
-fn unusable(obstacles: Vec<Obstacle>) -> BlendError {
-    let mut segments: Vec<usize> = obstacles
-        .iter()
-        .filter(|o| !o.bearable())
-        .filter_map(|o| match o.error {
+    fn unusable(&self, mut obstacles: Vec<Obstacle>) -> BlendError {
+        obstacles.retain(|o| !self.bears(o));
+        let segment = |o: &Obstacle| match o.error {
             BlendError::Fold { segment, .. }
             | BlendError::Overlap { segment }
             | BlendError::OutsideDomain { segment, .. } => Some(segment),
             _ => None,
-        })
-        .collect();
-    segments.sort_unstable();
-    segments.dedup();
-    let mut arcs: Vec<usize> =
-        obstacles.iter().filter(|o| !o.bearable()).flat_map(|o| &o.arcs).copied().collect();
-    arcs.sort_unstable();
-    arcs.dedup();
-    let none = BlendError::Inconsistent { what: "no width was found in the attempts allowed".into() };
-    match obstacles.into_iter().find(|o| !o.bearable()).map_or(none, |o| o.error) {
-        first if segments.is_empty() => first,
-        first => BlendError::Obstacles { first: Box::new(first), segments, arcs },
+        };
+        let mut segments: Vec<usize> = obstacles.iter().filter_map(segment).collect();
+        segments.sort_unstable();
+        segments.dedup();
+        let mut arcs: Vec<usize> = obstacles.iter().flat_map(|o| &o.arcs).copied().collect();
+        arcs.sort_unstable();
+        arcs.dedup();
+        let none = BlendError::Inconsistent { what: "no width was found in the attempts allowed".into() };
+        match obstacles.into_iter().next().map_or(none, |o| o.error) {
+            first if arcs.is_empty() => first,
+            first => BlendError::Obstacles { first: Box::new(first), segments, arcs },
+        }
     }
 }

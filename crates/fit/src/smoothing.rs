@@ -138,12 +138,7 @@ fn trials(
 }
 
 /// The trials of `residuals` at the inner ones of the values of λ that `log_dets` belong to.
-fn finish(
-    system: &System,
-    lambda: impl Fn(i32) -> f64,
-    residuals: &[f64],
-    log_dets: &[f64],
-) -> Vec<Trial> {
+fn finish(system: &System, lambda: impl Fn(i32) -> f64, residuals: &[f64], log_dets: &[f64]) -> Vec<Trial> {
     let step = 0.5 * std::f64::consts::LN_10;
     let (slopes, bends) = spline(log_dets, step);
     residuals

@@ -34,8 +34,7 @@ pub struct Ironed {
 /// Edges of machined shapes turn by 90°, those of scans by less; beyond 120° there are fins of two faces back to back, faces that
 /// turned over, and crumples. A chart fitted there folds whatever its parameters are.
 pub fn iron(mesh: &TriMesh, topology: &Topology, options: &IronOptions) -> Ironed {
-    let mut ironed =
-        Ironed { positions: mesh.positions.clone(), moved: Vec::new(), farthest: 0.0, left: 0 };
+    let mut ironed = Ironed { positions: mesh.positions.clone(), moved: Vec::new(), farthest: 0.0, left: 0 };
     let mut chosen = vec![false; mesh.positions.len()];
     let sharp = sharper(mesh, topology, &ironed.positions, options.sharpest);
     choose(&mut chosen, topology, &sharp);
@@ -106,8 +105,7 @@ mod tests {
 
     /// A flat grid of `n × n` vertices.
     fn grid(n: usize) -> TriMesh {
-        let positions =
-            (0..n * n).map(|k| DVec3::new((k % n) as f64, (k / n) as f64, 0.0)).collect();
+        let positions = (0..n * n).map(|k| DVec3::new((k % n) as f64, (k / n) as f64, 0.0)).collect();
         let faces = (0..(n - 1) * (n - 1))
             .flat_map(|k| {
                 let a = (k / (n - 1) * n + k % (n - 1)) as u32;

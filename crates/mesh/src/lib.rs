@@ -32,10 +32,10 @@ mod check;
 mod edges;
 mod error;
 pub mod io;
+mod iron;
 mod loops;
 mod measure;
 pub mod normals;
-mod iron;
 mod refine;
 pub mod repair;
 mod report;
@@ -47,9 +47,9 @@ mod tri_mesh;
 
 pub use check::check;
 pub use error::{MeshError, Place};
+pub use iron::{IronOptions, Ironed, iron};
 pub use measure::{dihedral_angle, median_edge_length, vertex_normals_area_weighted};
 pub use normals::{EstimateNormals, NormalsError};
-pub use iron::{IronOptions, Ironed, iron};
 pub use refine::{RefineOptions, Refined, refine_curved};
 pub use report::{
     BadIndex, BoundaryLoop, CoincidentVertex, Component, DuplicateFace, Listed, MeshReport, MisorientedEdge,

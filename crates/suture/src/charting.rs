@@ -196,12 +196,7 @@ fn cut(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Disc, Sutu
         .map_err(|source| SutureError::Chart { segment, source })
 }
 
-fn collared(
-    context: &Charting<'_>,
-    segment: usize,
-    collar: f64,
-    disc: Disc,
-) -> Result<Charted, SutureError> {
+fn collared(context: &Charting<'_>, segment: usize, collar: f64, disc: Disc) -> Result<Charted, SutureError> {
     let Charting { parameterize, fit, .. } = *context;
     let wrong = |source| SutureError::Chart { segment, source };
     let chart = Chart::flatten(disc, &parameterize, &Limits::default()).map_err(wrong)?;

@@ -304,8 +304,6 @@ impl Clock<'_> {
 
 /// How often an arc is drawn before its blends are given up: in every way once, and in the first ones again beside what has changed.
 const REDRAWINGS: usize = 10;
-/// Blends become narrower than this part of the wanted width only where no drawing of the arcs does with more.
-const NARROW: f64 = 0.2;
 /// Most rounds of changing what cannot be blended: each one sews everything anew.
 const MOST_RESEWN: usize = 6;
 
@@ -321,9 +319,7 @@ fn sew(
     warnings: &mut Vec<String>,
 ) -> Result<Blend, SutureError> {
     let mut redrawn = vec![0; segmentation.arcs.len()];
-    let narrowest = options.widths.narrowest;
-    let first = WidthOptions { narrowest: narrowest.max(NARROW * options.widths.wanted), ..options.widths };
-    let mut narrow = first.narrowest == narrowest;
+    let mut content = false;
     let mut sewing: Option<Sewing<'_>> = None;
     loop {
         if watch.interrupted() {
@@ -338,7 +334,11 @@ fn sew(
                 sewing.redraw(network)?;
                 sewing
             }
-            none => none.insert(Sewing::new(network, stages.maps.as_ref(), &first)?),
+            none => {
+                let mut new = Sewing::new(network, stages.maps.as_ref(), &options.widths)?;
+                new.be_strict(true);
+                none.insert(new)
+            }
         };
         let error = match sewing.sew() {
             Ok(blend) => {
@@ -354,11 +354,11 @@ fn sew(
         let mut again = blamed.clone();
         again.retain(|&a| redrawn[a] < REDRAWINGS);
         if again.is_empty() || options.fair == Fairness::Edges {
-            if narrow {
+            if content {
                 return Err(error.into());
             }
-            narrow = true;
-            sewing.allow(narrowest);
+            content = true;
+            sewing.be_strict(false);
             blamed.into_iter().for_each(|a| redrawn[a] = 0);
             continue;
         }

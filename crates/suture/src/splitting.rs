@@ -175,12 +175,7 @@ impl<'a> Pieces<'a> {
     }
 
     /// A trial without the splits that do not help.
-    fn accept(
-        &self,
-        clock: &mut Clock<'_>,
-        state: State,
-        trial: Segmentation,
-    ) -> Result<State, SutureError> {
+    fn accept(&self, clock: &mut Clock<'_>, state: State, trial: Segmentation) -> Result<State, SutureError> {
         let State { segmentation: before, charted, most, mut splits, mut resists, undone } = state;
         let mut labels = trial.labels.clone();
         let mut pool = pool(&before, charted);

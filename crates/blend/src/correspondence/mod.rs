@@ -241,9 +241,8 @@ impl CornerBuild {
                 .collect();
             if let Some(gon) = gon {
                 let samples = gon_samples(corner.arcs.len());
-                let folds = |map: &PlanePolynomial| {
-                    jacobian(samples.iter().map(|&p| map.jet(p))) <= LEAST_JACOBIAN
-                };
+                let folds =
+                    |map: &PlanePolynomial| jacobian(samples.iter().map(|&p| map.jet(p))) <= LEAST_JACOBIAN;
                 let poor = missed.share() > MOST_MISSED || gon.iter().any(folds);
                 return Ok(Self { layout: Some(layout), gon, missed, poor, paper: None });
             }
@@ -376,7 +375,12 @@ impl ArcBuild {
         let q = match (order, paper) {
             (ArcOrder::Paper, [Some(start), Some(end)]) => {
                 let strips = paper::chain(network, lengths, index, [start, end], widths)?;
-                return Ok(Self { strips, adjacent: [false; 2], missed: Missed::default(), folds: [false; 3] });
+                return Ok(Self {
+                    strips,
+                    adjacent: [false; 2],
+                    missed: Missed::default(),
+                    folds: [false; 3],
+                });
             }
             (ArcOrder::Degree(q), _) => q,
             (ArcOrder::Paper, _) => 1,

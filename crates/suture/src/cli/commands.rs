@@ -8,8 +8,8 @@ use suture::mesh::{Topology, TriMesh, shapes};
 use suture::segment::write_labels;
 use suture::view::PageModel;
 use suture::{
-    Fairness, ReconstructOptions, Report, Refinement, Splits, Stages, SutureError, Watch, degrees, reconstruct,
-    repair_all, samples,
+    Fairness, ReconstructOptions, Refinement, Report, Splits, Stages, SutureError, Watch, degrees,
+    reconstruct, repair_all, samples,
 };
 
 use super::args::{self, Args, Command};
