@@ -56,6 +56,7 @@ const SQUEEZED: f64 = 100.0;
 
 /// Largest residual that a fit may have, in tolerances.
 const MOST_OFF: f64 = 5.0;
+
 impl Charted {
     /// Whether the segment had better be split: its chart folds or is squeezed, or its fit misses the tolerance.
     pub(crate) fn poor(&self, tolerance: f64) -> bool {
@@ -70,11 +71,10 @@ impl Charted {
 
     /// How much more a residual counts for what is wrong with the chart.
     fn doubt(&self) -> f64 {
-        match () {
-            () if self.folded() || self.squeezed() => FOLDED,
-            () if self.fit.report.guard.flipped_inside > 0 => TURNED,
-            () if !self.sound() => UNSOUND,
-            () => 1.0,
+        match self.fit.report.guard.flipped_inside {
+            0 if self.sound() => 1.0,
+            0 => UNSOUND,
+            _ => TURNED,
         }
     }
 
@@ -83,14 +83,12 @@ impl Charted {
         if self.folded() { f64::INFINITY } else { self.fit.report.max }
     }
 
-    /// Whether the flattening flips triangles or lands on itself.
     fn folded(&self) -> bool {
-        self.chart.distortion.flips + self.chart.distortion.overlaps > 0
+        folded(&self.chart)
     }
 
-    /// Whether the flattening squeezes a part so much that knots cannot follow it.
     fn squeezed(&self) -> bool {
-        self.chart.distortion.area_ratio > SQUEEZED
+        squeezed(&self.chart)
     }
 
     /// Whether two parts are better than this whole.
@@ -146,6 +144,8 @@ pub(crate) fn chart_all(
 /// blends need, because a fit is worst at its rim: of the torus's mean curvature the blends then miss 5 % and not 8 %.
 fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted, SutureError> {
     let mut tried: Vec<(f64, Charted)> = Vec::new();
+    // Charts that no knots can follow: fits of them are as slow as they are useless, so they are for the last resort.
+    let mut useless: Vec<(f64, Chart)> = Vec::new();
     let mut failure = None;
     for (attempt, part) in COLLARS.into_iter().enumerate() {
         // Where a single ring is no better, the collar is not what is wrong.
@@ -156,15 +156,21 @@ fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted,
             break;
         }
         let width = part * (collar + context.edge);
-        match cut(context, segment, width) {
-            Ok(disc) if tried.iter().any(|(_, known)| known.chart.disc.faces.len() == disc.faces.len()) => {}
-            Ok(disc) => match collared(context, segment, width, disc) {
+        let charts = tried.iter().map(|(_, charted)| &charted.chart).chain(useless.iter().map(|(_, c)| c));
+        let known: Vec<usize> = charts.map(|chart| chart.disc.faces.len()).collect();
+        let flat = match cut(context, segment, width) {
+            Ok(disc) if known.contains(&disc.faces.len()) => continue,
+            Ok(disc) => flatten(context, segment, disc),
+            Err(error) => Err(error),
+        };
+        match flat {
+            Ok(chart) if folded(&chart) || squeezed(&chart) => useless.push((width, chart)),
+            Ok(chart) => match fit(context, segment, width, chart) {
                 Ok(charted) => {
                     let report = &charted.fit.report;
-                    let sound = charted.sound();
-                    let good = sound && (report.outcome == Outcome::Tolerance || report.rms <= GOOD_FIT);
+                    let fits = report.outcome == Outcome::Tolerance || report.rms <= GOOD_FIT;
                     // A wider one than a single ring may be as good.
-                    if good && part > 0.0 {
+                    if fits && charted.sound() && part > 0.0 {
                         return Ok(charted);
                     }
                     tried.push((report.rms * charted.doubt(), charted));
@@ -174,19 +180,39 @@ fn chart(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Charted,
             Err(error) => failure = failure.or(Some(error)),
         }
     }
-    let best = tried.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
-    match (best, failure) {
-        (Some((_, charted)), _) => Ok(charted),
+    if let Some((_, charted)) = tried.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b)) {
+        return Ok(charted);
+    }
+    let wrong = |chart: &Chart| (folds(chart), chart.distortion.area_ratio);
+    let least = useless.into_iter().min_by(|(_, a), (_, b)| {
+        let ((a, x), (b, y)) = (wrong(a), wrong(b));
+        a.cmp(&b).then(x.total_cmp(&y))
+    });
+    match (least, failure) {
+        (Some((width, chart)), _) => fit(context, segment, width, chart),
         (None, Some(error)) => Err(error),
         (None, None) => Err(SutureError::Internal { what: format!("segment {segment} was not charted") }),
     }
 }
 
-/// Residuals count this much more where the guards of the fit or the limits of the distortion do not hold, where the fit turns over in
-/// the segment itself, and where the chart folds or is squeezed: with that no blend can be made.
+/// How many triangles the flattening flips or lands on others.
+fn folds(chart: &Chart) -> usize {
+    chart.distortion.flips + chart.distortion.overlaps
+}
+
+fn folded(chart: &Chart) -> bool {
+    folds(chart) > 0
+}
+
+/// Whether the flattening squeezes a part so much that knots cannot follow it.
+fn squeezed(chart: &Chart) -> bool {
+    chart.distortion.area_ratio > SQUEEZED
+}
+
+/// Residuals count this much more where the guards of the fit or the limits of the distortion do not hold, and where the fit turns over
+/// in the segment itself.
 const UNSOUND: f64 = 4.0;
 const TURNED: f64 = 16.0;
-const FOLDED: f64 = 256.0;
 
 /// The disc of a segment with a collar of this width.
 fn cut(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Disc, SutureError> {
@@ -196,10 +222,12 @@ fn cut(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Disc, Sutu
         .map_err(|source| SutureError::Chart { segment, source })
 }
 
-fn collared(context: &Charting<'_>, segment: usize, collar: f64, disc: Disc) -> Result<Charted, SutureError> {
-    let Charting { parameterize, fit, .. } = *context;
+fn flatten(context: &Charting<'_>, segment: usize, disc: Disc) -> Result<Chart, SutureError> {
     let wrong = |source| SutureError::Chart { segment, source };
-    let chart = Chart::flatten(disc, &parameterize, &Limits::default()).map_err(wrong)?;
+    Chart::flatten(disc, &context.parameterize, &Limits::default()).map_err(wrong)
+}
+
+fn fit(context: &Charting<'_>, segment: usize, collar: f64, chart: Chart) -> Result<Charted, SutureError> {
     // A crease or a handle may stop the collar short: there the B-spline continues on its own.
     // Half a knot spacing, about an edge, it does so without harm.
     let reach = collar.max(chart.disc.reach.unwrap_or(0.0)).max(context.edge);
@@ -211,7 +239,7 @@ fn collared(context: &Charting<'_>, segment: usize, collar: f64, disc: Disc) -> 
         diagonal: context.diagonal,
         reach,
     };
-    let fit = fit.fit(&input).map_err(|source| SutureError::Fit { segment, source })?;
-    let chart = chart.with_uv(fit.params.clone()).map_err(wrong)?;
+    let fit = context.fit.fit(&input).map_err(|source| SutureError::Fit { segment, source })?;
+    let chart = chart.with_uv(fit.params.clone()).map_err(|source| SutureError::Chart { segment, source })?;
     Ok(Charted { chart, fit, reach })
 }
