@@ -193,7 +193,7 @@ pub fn bubble_over(
     }
     let (n, r, w) = (network.order, options.refuse, options.warn);
     let limits = Limits { refuse: [r, 2.0 * r, 4.0 * r], warn: [w; 3] };
-    let (extremes, mut warnings) = report::weigh_all(&network, &limits)?;
+    let (extremes, mut warnings, doubtful) = report::weigh_all(mesh, &network, &limits)?;
 
     let shared = Arc::clone(&network.strips);
     let hermite = Hermite::new(n);
@@ -219,6 +219,7 @@ pub fn bubble_over(
             implicits,
             orders,
             options.pairing,
+            (!doubtful[f]).then(Vec::new),
             &hermite,
             scratch,
         );
@@ -237,6 +238,10 @@ pub fn bubble_over(
     let folded: Vec<usize> = (0..measured.len()).filter(|&f| !(measured[f][1] > 0.0)).collect();
     if let Some(&first) = folded.first() {
         warnings.push(BubbleWarning::Folds { count: folded.len(), first });
+    }
+    let leaned = || patches.iter().enumerate().filter(|p| !p.1.leans.is_empty());
+    if let Some((first, _)) = leaned().next() {
+        warnings.push(BubbleWarning::Leaned { count: leaned().count(), first });
     }
     let least = |i: usize| measured.iter().fold(f64::INFINITY, |m, x| m.min(x[i]));
     let quads = mesh.faces.iter().filter(|f| f.vertices().len() == 4).count();

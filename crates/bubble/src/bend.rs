@@ -13,9 +13,9 @@ use crate::{
     series::{Plane, Series},
 };
 
-/// The bend with derivatives `start` and `end` in the parameter that grows from the first end: a cubic.
+/// The bend with derivatives `start` and `end`, each in the parameter that grows from its end: a cubic.
 pub(crate) fn tangents(start: DVec3, end: DVec3) -> Vec<DVec3> {
-    vec![DVec3::ZERO, start / 3.0, end / -3.0, DVec3::ZERO]
+    vec![DVec3::ZERO, start / 3.0, end / 3.0, DVec3::ZERO]
 }
 
 /// The bend with given Taylor coefficients at both ends, each in the parameter that grows from its end: Bernstein coefficients, as many as there
@@ -101,11 +101,12 @@ impl BubblePatch {
         for k in 0..self.count {
             let side = self.sides[k];
             let bend = self.strips[side.strip as usize].bend();
-            if bend.is_empty() {
+            let lean: &[DVec3] = self.leans.get(k).map_or(&[], Vec::as_slice);
+            if bend.is_empty() && lean.is_empty() {
                 continue;
             }
-            let (from, to, fade) = if self.count == 3 {
-                (coordinates[k], coordinates[(k + 1) % 3], None)
+            let (from, to, fade, inward) = if self.count == 3 {
+                (coordinates[k], coordinates[(k + 1) % 3], None, coordinates[(k + 2) % 3])
             } else {
                 let one = Plane::linear(1.0, 0.0, 0.0);
                 let minus = |x: &Plane<L>| one.add(&x.scale(-1.0));
@@ -116,8 +117,15 @@ impl BubblePatch {
                     2 => (minus(&u), minus(&v)),
                     _ => (minus(&v), u),
                 };
-                (minus(&along), along, Some(minus(&inward)))
+                let fade = minus(&inward);
+                (minus(&along), along, Some(fade), inward.mul(&fade).mul(&fade))
             };
+            if !lean.is_empty() {
+                let sum = form(lean, &from, &to);
+                for axis in 0..3 {
+                    out[axis] = out[axis].add(&sum[axis].mul(&inward));
+                }
+            }
             let sum = if side.reversed { form(bend, &to, &from) } else { form(bend, &from, &to) };
             for axis in 0..3 {
                 let part = fade.as_ref().map_or(sum[axis], |f| sum[axis].mul(f));

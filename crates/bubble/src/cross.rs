@@ -12,8 +12,9 @@
 use crate::{
     MAX_ORDER,
     monomial::{self, TABLE},
+    newton::horner,
     series::{self, Series},
-    strip::{MOST, Strip, components, horner},
+    strip::{MOST, Strip, components},
 };
 
 /// Cross derivatives of orders 0 to `n`, as series along the edge.

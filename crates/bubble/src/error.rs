@@ -133,7 +133,7 @@ pub enum BubbleError {
     },
     /// A patch over a bent base has no net of the stated degrees.
     #[error(
-        "the patch has a bent side (a crease, or an edge whose tangent was laid out anew); only others are written as B-splines"
+        "the patch has a bent base (beside a crease, a tangent laid out anew or a side it would turn back over); only others are written as B-splines"
     )]
     Bent,
     /// A surface point is not finite.

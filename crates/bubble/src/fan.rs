@@ -10,6 +10,9 @@ use crate::{network::Edges, poly_mesh::PolyMesh};
 /// Shortest tangent relative to the edge.
 const SHORTEST: f64 = 0.5;
 
+/// Widest angle between the tangents of neighbouring edges: 144°.
+const WIDEST: f64 = 0.8 * std::f64::consts::PI;
+
 /// What to add to the derivative of the boundary curve at the ends of edges, each in the parameter that grows from its end; `None` where nothing
 /// is. Empty when `vertices` is.
 pub(crate) fn fans(mesh: &PolyMesh, edges: &Edges, vertices: &[u32]) -> Vec<Option<[DVec3; 2]>> {
@@ -73,16 +76,17 @@ fn tangents(mesh: &PolyMesh, v: u32, order: &[(u32, f64)], closed: bool) -> Vec<
     if !(whole > 0.0) {
         return Vec::new();
     }
+    let angles = spread(&order.iter().map(|o| o.1).collect::<Vec<_>>(), most);
     let mut angle = 0.0;
     let mut laid = Vec::with_capacity(order.len());
     // The turn that brings the unrolled edges nearest to the projected ones.
     let mut turn = DVec2::ZERO;
-    for &(w, opening) in order {
+    for (&(w, _), opening) in order.iter().zip(angles) {
         let e = mesh.positions[w as usize] - mesh.positions[v as usize];
         let (direction, projected) = (DVec2::from_angle(angle), DVec2::new(e.dot(a), e.dot(b)));
         turn += DVec2::new(direction.dot(projected), direction.perp_dot(projected)) / e.length();
         laid.push((w, e, projected, direction));
-        angle += opening * most / whole;
+        angle += opening;
     }
     let turn = turn.try_normalize().unwrap_or(DVec2::X);
     let mut out = Vec::with_capacity(laid.len());
@@ -93,10 +97,50 @@ fn tangents(mesh: &PolyMesh, v: u32, order: &[(u32, f64)], closed: bool) -> Vec<
     out
 }
 
+/// Angles scaled to the sum `most`, none above [`WIDEST`]: a patch cannot open further.
+fn spread(angles: &[f64], most: f64) -> Vec<f64> {
+    let mut capped = vec![false; angles.len()];
+    loop {
+        let free: f64 = angles.iter().zip(&capped).filter(|c| !c.1).map(|c| c.0).sum();
+        let left = most - WIDEST * capped.iter().filter(|c| **c).count() as f64;
+        let scale = if free > 0.0 { (left / free).max(0.0) } else { 0.0 };
+        let mut more = false;
+        for (angle, capped) in angles.iter().zip(&mut capped) {
+            if !*capped && angle * scale > WIDEST {
+                *capped = true;
+                more = true;
+            }
+        }
+        if !more {
+            let scaled = |(angle, capped): (&f64, &bool)| if *capped { WIDEST } else { angle * scale };
+            return angles.iter().zip(&capped).map(scaled).collect();
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Face;
+
+    #[test]
+    fn no_angle_reaches_a_half_turn() {
+        let s = spread(&[1.09, 1.09, 2.19], std::f64::consts::TAU);
+        assert!((s.iter().sum::<f64>() - std::f64::consts::TAU).abs() < 1e-12);
+        assert!(s[2] == WIDEST && (s[0] - s[1]).abs() < 1e-12);
+        assert_eq!(spread(&[0.5, 0.25], 1.5), [1.0, 0.5]);
+    }
+
+    #[test]
+    fn tangents_turn_the_curve_at_both_ends() {
+        // The curve leaves either end with what is added there, seen from that end.
+        let (a, b) = (DVec3::new(0.1, 0.4, 0.0), DVec3::new(0.0, -0.2, 0.3));
+        let bend = crate::bend::tangents(a, b);
+        for (end, want) in [a, b].into_iter().enumerate() {
+            let d = crate::bend::taylor::<2>(&bend, end);
+            assert!(DVec3::from_array([d[0][1], d[1][1], d[2][1]]).distance(want) < 1e-15, "{end}");
+        }
+    }
 
     #[test]
     fn a_fan_that_projects_well_is_kept() {

@@ -6,6 +6,7 @@ use crate::{
     MAX_ORDER,
     cross::Leaving,
     patch::{BubblePatch, Pairing},
+    strip::Strip,
 };
 
 /// Gradients of the barycentric coordinates in `(u, v)`.
@@ -21,7 +22,39 @@ pub(crate) struct Half {
     pub(crate) against: bool,
 }
 
+/// A half as a point sees it.
+pub(crate) struct Seen<'a> {
+    pub(crate) number: usize,
+    pub(crate) half: Half,
+    /// Weights of data and twists.
+    pub(crate) weights: [f64; 2],
+    /// As [`coordinates`](BubblePatch::coordinates).
+    pub(crate) coordinates: [f64; 3],
+    pub(crate) strip: &'a Strip,
+    /// Parameter on the strip.
+    pub(crate) t: f64,
+}
+
 impl BubblePatch {
+    /// The halves that count, as `at` sees them.
+    #[inline(always)]
+    pub(crate) fn seen_from(&self, at: DVec2) -> impl Iterator<Item = Seen<'_>> {
+        (0..self.halves()).filter_map(move |number| {
+            let half = self.half(number);
+            let weights = self.weights(&half);
+            let coordinates = self.coordinates(&half, at);
+            let [_, lambda, w] = coordinates;
+            let t = if half.against { w } else { lambda };
+            let strip = self.strip_of(&half);
+            (weights[0] != 0.0).then_some(Seen { number, half, weights, coordinates, strip, t })
+        })
+    }
+
+    #[inline(always)]
+    pub(crate) fn strip_of(&self, half: &Half) -> &Strip {
+        &self.strips[self.sides[half.side].strip as usize]
+    }
+
     #[inline(always)]
     pub(crate) fn halves(&self) -> usize {
         if self.count == 3 { 6 } else { 4 }

@@ -8,10 +8,9 @@ use crate::{
     corner::plane_index,
     cross::{CrossData, cross},
     fast::{self, Directions, Lane, Lanes},
-    half::{GRADIENT, Half},
+    half::{GRADIENT, Seen},
     hermite::rising,
     patch::{BubblePatch, Pairing},
-    strip::Strip,
 };
 
 /// Up to this barycentric distance from a corner (by order) the corner's polynomial stands for the height: the exact formula divides
@@ -77,15 +76,9 @@ impl BubblePatch {
             return self.corner_height(k, x, y);
         }
         let mut sum = Jet2::default();
-        for h in 0..self.halves() {
-            let half = self.half(h);
-            let [data, twist] = self.weights(&half);
-            if data == 0.0 {
-                continue;
-            }
-            let [x, lambda, w] = self.coordinates(&half, at);
-            let strip = &self.strips[self.sides[half.side].strip as usize];
-            let t = if half.against { w } else { lambda };
+        for Seen { number, half, weights: [data, twist], coordinates: [x, lambda, w], strip, t } in
+            self.seen_from(at)
+        {
             let mut e: CrossData<L> = cross::<N, L>(strip, t, &self.leaving(&half, lambda));
             if half.against {
                 e.iter_mut().for_each(|e| e[1] = -e[1]);
@@ -94,7 +87,7 @@ impl BubblePatch {
             for i in 0..N + 1 {
                 values[i] = [data * e[i][0], data * e[i][1], 2.0 * data * e[i][2]];
             }
-            self.subtract_twists::<N>(h, lambda, twist, &mut values);
+            self.subtract_twists::<N>(number, lambda, twist, &mut values);
             let f = if self.count == 3 { blend::<N>(x, w, &values) } else { blend_square::<N>(x, &values) };
             sum = sum.add(plane_jet(&f, &self.gradients(&half)));
         }
@@ -174,11 +167,6 @@ impl BubblePatch {
             }
         }
         sum
-    }
-
-    #[inline(always)]
-    pub(crate) fn strip_of(&self, half: &Half) -> &Strip {
-        &self.strips[self.sides[half.side].strip as usize]
     }
 
     /// Taylor coefficients of order 0 to 2 of `Q_i` of some halves.

@@ -1,6 +1,6 @@
 //! Hermite polynomials of degree `2n + 1`, and the operators on them that the Gordon–Coons construction needs.
 
-use crate::{MAX_ORDER, strip::CHOOSE};
+use crate::{MAX_ORDER, ends::CHOOSE};
 
 /// Number of coefficients of the polynomials of the largest order.
 pub(crate) const LENGTH: usize = 2 * MAX_ORDER + 2;

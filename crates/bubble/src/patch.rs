@@ -18,6 +18,7 @@ use crate::{
     corner::{CornerFrame, corner_jet, plane_count, plane_index},
     hermite::{Hermite, LENGTH, Polynomial, binomial, factorial},
     implicit::Implicit,
+    lean::Leans,
     strip::Strip,
 };
 
@@ -51,6 +52,8 @@ pub struct BubblePatch {
     pub(crate) pairing: Pairing,
     /// Whether a side is bent: its strip adds a curve to the straight edge.
     pub(crate) bent: bool,
+    /// What is added to leave a side to the inside, by side; empty where nothing is.
+    pub(crate) leans: Leans,
     /// The implicits from which strips, jets and twists follow, by vertex; none over strips that were given.
     pub(crate) sources: Option<Arc<Vec<Implicit>>>,
     /// The vertices, as numbers in `sources`.
@@ -71,7 +74,7 @@ pub(crate) struct Side {
 }
 
 impl BubblePatch {
-    /// A patch from its strips and the implicits of its corners.
+    /// A patch from its strips and the implicits of its corners; leans that are not given are sought.
     pub(crate) fn build(
         strips: Arc<Vec<Strip>>,
         sides: &[Side],
@@ -79,6 +82,7 @@ impl BubblePatch {
         implicits: &[&Implicit],
         (order, contact): (usize, usize),
         pairing: Pairing,
+        leans: Option<Leans>,
         hermite: &Hermite,
         scratch: &mut Vec<f64>,
     ) -> Self {
@@ -90,6 +94,7 @@ impl BubblePatch {
             order,
             pairing,
             bent: false,
+            leans: Vec::new(),
             sources: None,
             vertices: [0; 4],
             corners: [DVec3::ZERO; 4],
@@ -108,6 +113,8 @@ impl BubblePatch {
             }
             return patch;
         }
+        patch.leans = leans.unwrap_or_else(|| patch.find_leans());
+        patch.bent |= !patch.leans.is_empty();
         let length = 2 * order + 1;
         patch.jets.reserve_exact(count * plane_count(length));
         for k in 0..count {

@@ -11,6 +11,7 @@ use crate::{
     corner::plane_count,
     hermite::Hermite,
     implicit::Implicit,
+    lean::{self, Leans},
     patch::{BubblePatch, Pairing, Side},
     spline::{self, SplinePatch},
     strip::{Bend, Counts, Strip, bend_fits},
@@ -34,6 +35,8 @@ struct Sources {
     /// Curves added to the sides, and whether they stand instead of a height; empty where none is.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     bends: Vec<(Vec<DVec3>, bool)>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    leans: Leans,
 }
 
 /// A patch as its numbers: over strips that were given.
@@ -47,6 +50,8 @@ struct Data {
     strips: Vec<(Strip, bool)>,
     jets: Vec<f64>,
     twists: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    leans: Leans,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -81,6 +86,7 @@ fn value(patch: &BubblePatch) -> serde_json::Value {
             implicits: patch.vertices[..patch.count].iter().map(|&v| implicits[v as usize].clone()).collect(),
             reversed: sides.iter().map(|s| s.reversed).collect(),
             bends: if patch.bent { bends.collect() } else { Vec::new() },
+            leans: patch.leans.clone(),
         };
         return serde_json::to_value(data).unwrap_or_default();
     }
@@ -92,6 +98,7 @@ fn value(patch: &BubblePatch) -> serde_json::Value {
         strips: sides.iter().map(|s| (strip(s).clone(), s.reversed)).collect(),
         jets: patch.jets.clone(),
         twists: patch.twists.clone(),
+        leans: patch.leans.clone(),
     };
     serde_json::to_value(data).unwrap_or_default()
 }
@@ -130,7 +137,7 @@ fn from_sources(data: &Sources) -> Result<BubblePatch, String> {
     let counts = Counts { order: n, contact };
     let bends = data.bends.is_empty() || data.bends.len() == count;
     let shape = (3..=4).contains(&count) && data.implicits.len() == count && data.reversed.len() == count;
-    if !shape || !bends || !counts.valid() || !data.pairing.valid() {
+    if !shape || !bends || !lean::fit(&data.leans, count) || !counts.valid() || !data.pairing.valid() {
         return Err("its corners, implicits and orders do not match".into());
     }
     if !data.corners.iter().all(|p| p.is_finite()) || !data.implicits.iter().all(Implicit::valid) {
@@ -166,6 +173,7 @@ fn from_sources(data: &Sources) -> Result<BubblePatch, String> {
         &implicits,
         (n, contact),
         data.pairing,
+        Some(data.leans.clone()),
         &hermite,
         &mut scratch,
     );
@@ -184,7 +192,7 @@ fn from_numbers(data: Data) -> Result<BubblePatch, String> {
     let contact = data.strips.first().map_or(0, |s| s.0.contact());
     let shape = (3..=4).contains(&count) && data.normals.len() == count && data.strips.len() == count;
     let orders = n <= MAX_ORDER && data.strips.iter().all(|(s, _)| s.order() == n && s.contact() == contact);
-    if !shape || !orders || !data.pairing.valid() {
+    if !shape || !orders || !lean::fit(&data.leans, count) || !data.pairing.valid() {
         return Err("its corners, strips and orders do not match".into());
     }
     let (jets, twists) = if n > 0 {
@@ -209,7 +217,8 @@ fn from_numbers(data: Data) -> Result<BubblePatch, String> {
         sides[k] = Side { strip: k as u32, reversed: data.strips[k].1 };
         (corners[k], normals[k]) = (data.corners[k], data.normals[k]);
     }
-    let bent = data.strips.iter().any(|s| !s.0.bend().is_empty());
+    let leans = data.leans;
+    let bent = !leans.is_empty() || data.strips.iter().any(|s| !s.0.bend().is_empty());
     let strips = Arc::new(data.strips.into_iter().map(|s| s.0).collect());
     let (jets, twists) = (data.jets, data.twists);
     let pairing = data.pairing;
@@ -222,6 +231,7 @@ fn from_numbers(data: Data) -> Result<BubblePatch, String> {
         order,
         pairing,
         bent,
+        leans,
         sources,
         vertices,
         corners,

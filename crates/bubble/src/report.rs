@@ -6,7 +6,8 @@ use serde::Serialize;
 use suture_surface::Patch;
 
 use crate::{
-    BubbleError, cross, error::Measure, network::Network, patch::BubblePatch, steer::Turned, strip::Strip,
+    BubbleError, cross, error::Measure, lean::Beside, network::Network, patch::BubblePatch,
+    poly_mesh::PolyMesh, steer::Turned, strip::Strip,
 };
 
 /// A number with the place where it is taken.
@@ -63,6 +64,16 @@ pub enum BubbleWarning {
         /// The first one.
         first: u32,
     },
+    /// Patches that would turn back over a side of theirs are bent to leave it to the inside.
+    #[error(
+        "{count} patches (the first is {first}) would turn back over their own sides, as needles do; they are bent to leave them to the inside"
+    )]
+    Leaned {
+        /// Number of patches.
+        count: usize,
+        /// The first one.
+        first: usize,
+    },
     /// Edges with more than two faces have strips but no seams.
     #[error("{count} edges have more than two faces (the first is {} → {}); no seam is claimed there", first[0], first[1])]
     NonManifold {
@@ -107,8 +118,8 @@ pub struct BubbleReport {
 /// Samples per strip.
 const STRIP_SAMPLES: usize = 9;
 
-/// Smallest cosine, normal and speed of a strip, with their parameters. NaN counts as the smallest.
-pub(crate) fn weigh(strip: &Strip) -> [(f64, f64); 3] {
+/// Smallest cosine, normal and speed of a strip, with their parameters. NaN counts as the smallest. `visit` sees parameter, N and curve of every sample.
+pub(crate) fn weigh(strip: &Strip, mut visit: impl FnMut(f64, DVec3, &[DVec3; 3])) -> [(f64, f64); 3] {
     let mut worst = [(f64::INFINITY, 0.0); 3];
     let [a, b] = strip.ends();
     let edge = (b - a).length();
@@ -118,6 +129,7 @@ pub(crate) fn weigh(strip: &Strip) -> [(f64, f64); 3] {
         let t = i as f64 / (STRIP_SAMPLES - 1) as f64;
         let n = strip.normal(t);
         let p = strip.curve(t);
+        visit(t, n, &p);
         let mut values = [1.0, n.length() / longest, p[1].length() / edge];
         if strip.order() > 0 {
             let [x, y, z] = gradient(strip, t);
@@ -148,15 +160,27 @@ pub(crate) struct Limits {
 
 const MEASURES: [Measure; 3] = [Measure::Cosine, Measure::Normal, Measure::Speed];
 
-/// Weighs all strips: the extremes and the warnings.
+/// Weighs all strips: the extremes, the warnings, and the faces that may need leans.
 ///
 /// # Errors
 /// [`BubbleError::Degenerate`], the first in the order of edges.
 pub(crate) fn weigh_all(
+    mesh: &PolyMesh,
     network: &Network,
     limits: &Limits,
-) -> Result<([Extreme; 3], Vec<BubbleWarning>), BubbleError> {
-    let weights: Vec<[(f64, f64); 3]> = network.strips.par_iter().map(weigh).collect();
+) -> Result<([Extreme; 3], Vec<BubbleWarning>, Vec<bool>), BubbleError> {
+    let weighed = network.strips.par_iter().zip(&network.edges.edges).map(|(strip, e)| {
+        let mut beside = Beside::of(mesh, network, e, strip);
+        let weights = weigh(strip, |t, n, p| beside.look(t, n, p));
+        (weights, [0, 1].map(|i| beside.doubtful(i)))
+    });
+    let (weights, doubts): (Vec<[(f64, f64); 3]>, Vec<[bool; 2]>) = weighed.unzip();
+    let mut doubtful = vec![false; mesh.faces.len()];
+    for (e, d) in network.edges.edges.iter().zip(&doubts) {
+        for (i, u) in e.faces.iter().enumerate() {
+            doubtful[u.face as usize] |= d[i.min(1)];
+        }
+    }
     let none = Extreme { value: f64::INFINITY, edge: [0; 2], t: 0.0 };
     let (mut worst, mut counts) = ([none; 3], [0; 3]);
     for (e, weights) in network.edges.edges.iter().zip(&weights) {
@@ -175,7 +199,7 @@ pub(crate) fn weigh_all(
         let (what, count, worst, limit) = (MEASURES[m], counts[m], worst[m], limits.warn[m]);
         BubbleWarning::Weak { what, count, worst, limit }
     });
-    Ok((worst, warnings.collect()))
+    Ok((worst, warnings.collect(), doubtful))
 }
 
 /// Smallest regularity and smallest cosine between surface normal and interpolated normal at sample points inside and at the corners,

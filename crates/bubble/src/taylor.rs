@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use crate::{
     corner::plane_index,
     cross::{CrossData, cross},
-    half::GRADIENT,
+    half::{GRADIENT, Seen},
     hermite::Hermite,
     patch::BubblePatch,
     series::{self, Plane},
@@ -73,15 +73,9 @@ impl BubblePatch {
         }
         let mut sum = Plane::<5>::ZERO;
         let hermite = Hermite::new(N);
-        for h in 0..self.halves() {
-            let half = self.half(h);
-            let [data, twist] = self.weights(&half);
-            if data == 0.0 {
-                continue;
-            }
-            let [x, lambda, w] = self.coordinates(&half, at);
-            let strip = &self.strips[self.sides[half.side].strip as usize];
-            let t = if half.against { w } else { lambda };
+        for Seen { number, half, weights: [data, twist], coordinates: [x, lambda, w], strip, t } in
+            self.seen_from(at)
+        {
             let mut e: CrossData<9> = cross::<N, 9>(strip, t, &self.leaving(&half, lambda));
             if half.against {
                 e.iter_mut().flat_map(|e| e.iter_mut().skip(1).step_by(2)).for_each(|e| *e = -*e);
@@ -96,7 +90,7 @@ impl BubblePatch {
             for i in 0..N + 1 {
                 let mut value = along.substitute(&series::scale(&e[i], data)[..5]);
                 if twist != 0.0 && !self.twists.is_empty() {
-                    let row = &self.twists[(h * (N + 1) + i) * (2 * N + 2)..][..2 * N + 2];
+                    let row = &self.twists[(number * (N + 1) + i) * (2 * N + 2)..][..2 * N + 2];
                     let q = row.iter().rev().fold(Plane::ZERO, |sum, &c| {
                         let mut sum: Plane<5> = sum.mul(&along);
                         sum.0[0][0] += c;

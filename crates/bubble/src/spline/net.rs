@@ -9,7 +9,7 @@ use crate::{BubbleError, hermite::Hermite};
 
 /// A tensor-product B-spline patch in homogeneous coordinates, over the square around the patch's domain: polynomial, or rational over the
 /// triangle `u, v ≥ 0`, `u + v ≤ 1`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct HomogeneousSpline {
     /// Control points times weights.
     pub points: BSplineSurface<DVec3>,

@@ -131,7 +131,7 @@ fn datum(patch: &BubblePatch, half: &Half, i: usize, intervals: usize, exact_hei
     let strip = patch.strip_of(half);
     if i == 0 && exact_height {
         // From the Bernstein form: Taylor coefficients at the half's own end.
-        let [mut c] = crate::strip::horner::<18, 1>(strip.level(0), if half.against { 1.0 } else { 0.0 });
+        let [mut c] = crate::newton::horner::<18, 1>(strip.level(0), if half.against { 1.0 } else { 0.0 });
         if half.against {
             c.iter_mut().skip(1).step_by(2).for_each(|c| *c = -*c);
         }
