@@ -15,7 +15,7 @@ use crate::{
     network::{EdgeUse, Edges, Network, Shapes},
     patch::{BubblePatch, Pairing, Side},
     poly_mesh::PolyMesh,
-    report::{self, BubbleReport, BubbleWarning, Limits},
+    report::{self, BubbleReport, BubbleWarning, Limits, Weighed},
     steer::steer_normals,
 };
 
@@ -193,7 +193,7 @@ pub fn bubble_over(
     }
     let (n, r, w) = (network.order, options.refuse, options.warn);
     let limits = Limits { refuse: [r, 2.0 * r, 4.0 * r], warn: [w; 3] };
-    let (extremes, mut warnings, doubtful) = report::weigh_all(mesh, &network, &limits)?;
+    let Weighed { extremes, mut warnings, doubtful } = report::weigh_all(mesh, &network, &limits)?;
 
     let shared = Arc::clone(&network.strips);
     let hermite = Hermite::new(n);

@@ -118,8 +118,8 @@ pub struct BubbleReport {
 /// Samples per strip.
 const STRIP_SAMPLES: usize = 9;
 
-/// Smallest cosine, normal and speed of a strip, with their parameters. NaN counts as the smallest. `visit` sees parameter, N and curve of every sample.
-pub(crate) fn weigh(strip: &Strip, mut visit: impl FnMut(f64, DVec3, &[DVec3; 3])) -> [(f64, f64); 3] {
+/// Weighs a strip; NaN counts as the smallest. `visit` sees parameter, N and curve of every sample.
+pub(crate) fn weigh(strip: &Strip, mut visit: impl FnMut(f64, DVec3, &[DVec3; 3])) -> Weights {
     let mut worst = [(f64::INFINITY, 0.0); 3];
     let [a, b] = strip.ends();
     let edge = (b - a).length();
@@ -160,21 +160,28 @@ pub(crate) struct Limits {
 
 const MEASURES: [Measure; 3] = [Measure::Cosine, Measure::Normal, Measure::Speed];
 
-/// Weighs all strips: the extremes, the warnings, and the faces that may need leans.
+/// Smallest cosine, normal and speed of a strip, with their parameters.
+type Weights = [(f64, f64); 3];
+
+/// What the strips weigh.
+pub(crate) struct Weighed {
+    pub(crate) extremes: [Extreme; 3],
+    pub(crate) warnings: Vec<BubbleWarning>,
+    /// The faces that may need leans.
+    pub(crate) doubtful: Vec<bool>,
+}
+
+/// Weighs all strips.
 ///
 /// # Errors
 /// [`BubbleError::Degenerate`], the first in the order of edges.
-pub(crate) fn weigh_all(
-    mesh: &PolyMesh,
-    network: &Network,
-    limits: &Limits,
-) -> Result<([Extreme; 3], Vec<BubbleWarning>, Vec<bool>), BubbleError> {
+pub(crate) fn weigh_all(mesh: &PolyMesh, network: &Network, limits: &Limits) -> Result<Weighed, BubbleError> {
     let weighed = network.strips.par_iter().zip(&network.edges.edges).map(|(strip, e)| {
         let mut beside = Beside::of(mesh, network, e, strip);
         let weights = weigh(strip, |t, n, p| beside.look(t, n, p));
         (weights, [0, 1].map(|i| beside.doubtful(i)))
     });
-    let (weights, doubts): (Vec<[(f64, f64); 3]>, Vec<[bool; 2]>) = weighed.unzip();
+    let (weights, doubts): (Vec<Weights>, Vec<[bool; 2]>) = weighed.unzip();
     let mut doubtful = vec![false; mesh.faces.len()];
     for (e, d) in network.edges.edges.iter().zip(&doubts) {
         for (i, u) in e.faces.iter().enumerate() {
@@ -199,7 +206,7 @@ pub(crate) fn weigh_all(
         let (what, count, worst, limit) = (MEASURES[m], counts[m], worst[m], limits.warn[m]);
         BubbleWarning::Weak { what, count, worst, limit }
     });
-    Ok((worst, warnings.collect(), doubtful))
+    Ok(Weighed { extremes: worst, warnings: warnings.collect(), doubtful })
 }
 
 /// Smallest regularity and smallest cosine between surface normal and interpolated normal at sample points inside and at the corners,

@@ -31,7 +31,10 @@ pub use reconstruct::{
 };
 pub use repair::repair_all;
 pub use report::Report;
-pub use sew::{NormalSource, SewOptions, Sewn, sew_apatch, sew_bubble, sew_creased, vertex_normals};
+pub use sew::{
+    NormalSource, SewOptions, Sewn, SplinedReport, sew_apatch, sew_bubble, sew_creased, sew_splined,
+    vertex_normals,
+};
 pub use watch::{Stage, Unwatched, Watch};
 
 use suture_surface::{Patch, Record, RecordError, SplinePool};

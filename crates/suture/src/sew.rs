@@ -5,11 +5,12 @@ use std::time::Instant;
 
 use glam::DVec3;
 use suture_apatch::{ApatchOptions, ApatchReport, apatch};
-use suture_bubble::{BubbleOptions, BubbleReport, PolyMesh, bubble, bubble_creased};
+use suture_bubble::spline::{SplineOptions, SplineSurface, spline_surface};
+use suture_bubble::{BubbleOptions, BubbleReport, BubbleSurface, PolyMesh, bubble, bubble_creased};
 use suture_certify::{Certificate, CertifyOptions, Deviation, SeamReport, certify, deviation};
 use suture_mesh::normals::{AngleWeighted, AreaWeighted, EstimateNormals, LoopLimit, QuadricFit};
 use suture_mesh::{Topology, TriMesh};
-use suture_surface::{Continuity, Surface};
+use suture_surface::{Continuity, Patch, Surface};
 use suture_tessellate::Tessellation;
 
 use crate::{Stage, SutureError, Watch, samples};
@@ -221,29 +222,96 @@ pub fn sew_creased(
     watch: &dyn Watch,
 ) -> Result<Sewn<BubbleReport>, SutureError> {
     let mut clock = Clock { seconds: BTreeMap::new(), watch };
-    let built = clock.run(Stage::Patches, || {
-        // Zero and what is not finite stay, to be named.
-        let unit: Vec<DVec3> = normals.iter().map(|n| n.try_normalize().unwrap_or(*n)).collect();
-        let poly = PolyMesh::from_triangles(mesh, &unit)?;
-        Ok(if creases.is_empty() {
-            bubble(&poly, bubbles)?
-        } else {
-            bubble_creased(&poly, creases, bubbles)?
-        })
-    })?;
+    let built = clock.run(Stage::Patches, || lay(mesh, normals, creases, bubbles))?;
     let n = options.resolution(mesh.faces.len());
-    let tessellation = clock.run(Stage::Tessellate, || {
-        let t = built.tessellate(n)?;
-        let (mesh, vertex_patch, vertex_parameter) = (t.mesh, t.vertex_patch, t.vertex_parameter);
-        let (triangle_patch, corner_parameters) = (t.triangle_patch, t.corner_parameters);
-        Ok(Tessellation { mesh, vertex_patch, vertex_parameter, triangle_patch, corner_parameters })
-    })?;
+    let tessellation = clock.run(Stage::Tessellate, || triangulate(&built, n))?;
     let report = built.report().clone();
     let warnings = report.warnings.iter().map(ToString::to_string).collect();
     let mut sewn = measure(mesh, built.into_surface()?, report, tessellation, warnings, options, clock)?;
     let note = creased(&sewn);
     sewn.warnings.extend(note);
     Ok(sewn)
+}
+
+/// What is reported of a bubble surface in splines.
+#[derive(Debug, serde::Serialize)]
+pub struct SplinedReport {
+    /// Of the surface whose boundary data were splined.
+    #[serde(flatten)]
+    pub bubble: BubbleReport,
+    /// Intervals along every edge.
+    pub intervals: usize,
+    /// Largest distance across seams, relative to the diagonal.
+    pub seam_position: f64,
+    /// Largest angle of the normals across seams other than creases, radians.
+    pub seam_angle: f64,
+}
+
+/// As [`sew_creased`], with cubic splines for boundary data ([`suture_bubble::spline`]): patches are tensor-product B-splines, and normals agree across
+/// seams to within an angle that is measured. `take` sees the patches before anything is measured, for their nets.
+///
+/// # Errors
+/// As [`sew_creased`]; orders above 2; those of `take`.
+pub fn sew_splined(
+    mesh: &TriMesh,
+    normals: &[DVec3],
+    creases: &[[u32; 2]],
+    (bubbles, splines): (&BubbleOptions, &SplineOptions),
+    options: &SewOptions,
+    watch: &dyn Watch,
+    take: impl FnOnce(&SplineSurface) -> Result<(), SutureError>,
+) -> Result<Sewn<SplinedReport>, SutureError> {
+    let mut clock = Clock { seconds: BTreeMap::new(), watch };
+    let (built, splined) = clock.run(Stage::Patches, || {
+        let built = lay(mesh, normals, creases, bubbles)?;
+        let splined = spline_surface(&built, splines)?;
+        take(&splined)?;
+        Ok((built, splined))
+    })?;
+    let n = options.resolution(mesh.faces.len());
+    let tessellation = clock.run(Stage::Tessellate, || {
+        let mut t = triangulate(&built, n)?;
+        let points = t.vertex_patch.iter().zip(&t.vertex_parameter);
+        for ((p, (patch, &at)), n) in
+            t.mesh.positions.iter_mut().zip(points).zip(t.mesh.normals.iter_mut().flatten())
+        {
+            let jet = splined.patches[patch.0 as usize].jet(at);
+            *p = jet.p;
+            *n = jet.normal().unwrap_or(*n);
+        }
+        Ok(t)
+    })?;
+    let bubble = built.report().clone();
+    let mut warnings: Vec<String> = bubble.warnings.iter().map(ToString::to_string).collect();
+    let (intervals, seam_angle) = (splined.intervals, splined.normal);
+    let seam_position = splined.position / mesh.diagonal();
+    warnings.push(format!(
+        "boundary data are splines of {intervals} intervals: normals agree to {:.1e}° across seams, and C0 is all that is claimed",
+        seam_angle.to_degrees()
+    ));
+    let report = SplinedReport { bubble, intervals, seam_position, seam_angle };
+    measure(mesh, splined.into_surface()?, report, tessellation, warnings, options, clock)
+}
+
+fn lay(
+    mesh: &TriMesh,
+    normals: &[DVec3],
+    creases: &[[u32; 2]],
+    bubbles: &BubbleOptions,
+) -> Result<BubbleSurface, SutureError> {
+    // Zero and what is not finite stay, to be named.
+    let unit: Vec<DVec3> = normals.iter().map(|n| n.try_normalize().unwrap_or(*n)).collect();
+    let poly = PolyMesh::from_triangles(mesh, &unit)?;
+    let laid =
+        if creases.is_empty() { bubble(&poly, bubbles) } else { bubble_creased(&poly, creases, bubbles) };
+    Ok(laid?)
+}
+
+fn triangulate(surface: &BubbleSurface, n: usize) -> Result<Tessellation, SutureError> {
+    let t = surface.tessellate(n)?;
+    let (mesh, vertex_patch, vertex_parameter) = (t.mesh, t.vertex_patch, t.vertex_parameter);
+    let (triangle_patch, corner_parameters) = (t.triangle_patch, t.corner_parameters);
+    Ok(Tessellation { mesh, vertex_patch, vertex_parameter, triangle_patch, corner_parameters })
 }
 
 /// What the certificate says away from creases, whose claim is the smallest.

@@ -156,3 +156,31 @@ fn bytes_do_not_depend_on_threads() {
         assert!(read("1") == read("4"), "{command}");
     }
 }
+
+#[test]
+fn bubbles_are_written_as_splines() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = blob();
+    io::write(folder.path().join("m.ply"), &mesh).unwrap();
+    let args =
+        ["bubble", "m.ply", "--order", "1", "--seam-angle", "0.1", "--cubic-curves", "--nets", "n.json"];
+    let rest = ["-o", "s.json", "--resolution", "3", "--json", "r.json"];
+    good(&[&args[..], &rest].concat(), folder.path());
+    let nets = report(folder.path(), "n.json");
+    assert_eq!(nets.as_array().map(Vec::len), Some(mesh.faces.len()));
+    assert_eq!(nets[3]["face"], 3);
+    assert_eq!(nets[3]["points"]["degree"], serde_json::json!([7, 7]));
+    assert!(nets[3]["weights"]["net"].is_array());
+    let r = report(folder.path(), "r.json");
+    let angle = r["surface"]["construction"]["seam_angle"].as_f64().unwrap();
+    assert!(angle > 0.0 && angle <= 0.1_f64.to_radians());
+    assert!(r["certificate"]["position"].as_f64().unwrap() < 1e-12, "{}", r["certificate"]);
+    assert_eq!(r["tessellation"]["closed"], true);
+    // What is saved is the same surface.
+    good(&["certify", "s.json", "--mesh", "m.ply", "--json", "c.json"], folder.path());
+    assert_eq!(report(folder.path(), "c.json")["certificate"], r["certificate"]);
+    let out = suture(&["bubble", "m.ply", "--nets", "n.json", "-o", "x.json"], folder.path());
+    assert_eq!(out.status.code(), Some(2), "{}", String::from_utf8_lossy(&out.stderr));
+    let out = suture(&["bubble", "m.ply", "--splines", "3", "-o", "x.json"], folder.path());
+    assert_eq!(out.status.code(), Some(2), "{}", String::from_utf8_lossy(&out.stderr));
+}

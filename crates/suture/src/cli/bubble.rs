@@ -1,11 +1,15 @@
 //! `suture bubble`.
 
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, ValueEnum};
 use serde::Serialize;
+use suture::bubble::spline::{HomogeneousSpline, Intervals, SplineOptions, SplineSurface};
 use suture::bubble::{BubbleOptions, Fit, MAX_ORDER, PolyMesh, sharp_edges};
-use suture::{Report, SutureError, sew_creased, vertex_normals};
+use suture::mesh::TriMesh;
+use suture::{Report, SutureError, sew_creased, sew_splined, vertex_normals};
 
 use super::args;
 use super::commands::settings;
@@ -39,6 +43,31 @@ pub(crate) struct Bubble {
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
     crease_edges: Option<PathBuf>,
+    /// Cubic splines of so many intervals along every edge for boundary data, 4 to 1024, so that patches are tensor-product B-splines; for orders up to 2
+    #[arg(long, value_name = "K", conflicts_with = "seam_angle")]
+    splines: Option<usize>,
+    /// As --splines, with as many intervals as it takes for normals to agree across seams to this angle in degrees
+    #[arg(long, value_name = "ANGLE")]
+    seam_angle: Option<f64>,
+    /// With splines: cubic boundary curves too, for the lowest degrees
+    #[arg(long)]
+    cubic_curves: bool,
+    /// With splines: write knots, control points (times weights) and weights of every patch, as JSON
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip)]
+    nets: Option<PathBuf>,
+}
+
+impl Bubble {
+    fn splines(&self) -> Result<Option<SplineOptions>, SutureError> {
+        let angle = self.seam_angle.map(|angle| Intervals::Angle(angle.to_radians()));
+        let intervals = self.splines.map(Intervals::Count).or(angle);
+        if intervals.is_none() && (self.cubic_curves || self.nets.is_some()) {
+            let what = "--cubic-curves and --nets are for splines; give --splines or --seam-angle too".into();
+            return Err(SutureError::Unsuitable { what });
+        }
+        Ok(intervals.map(|intervals| SplineOptions { intervals, exact_height: !self.cubic_curves }))
+    }
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, Default, Serialize)]
@@ -75,15 +104,48 @@ pub(crate) fn run(a: &Bubble, common: &args::Common, report: &mut Report) -> Res
         return Err(SutureError::Unsuitable { what });
     }
     let given = a.crease_edges.as_deref().map(read_edges).transpose()?.unwrap_or_default();
-    a.local.run(common, report, |mesh, options, watch| {
+    let splines = a.splines()?;
+    let tag = |mesh: &TriMesh| {
         let normals = vertex_normals(mesh, a.local.source())?;
-        let mut tagged = given;
+        let mut tagged = given.clone();
         if let Some(angle) = a.creases {
             let poly = PolyMesh::from_triangles(mesh, &normals)?;
             tagged.extend(sharp_edges(&poly, angle.to_radians())?);
         }
-        sew_creased(mesh, &normals, &tagged, &bubbles, options, watch)
+        Ok::<_, SutureError>((normals, tagged))
+    };
+    let Some(splines) = splines else {
+        return a.local.run(common, report, |mesh, options, watch| {
+            let (normals, tagged) = tag(mesh)?;
+            sew_creased(mesh, &normals, &tagged, &bubbles, options, watch)
+        });
+    };
+    a.local.run(common, report, |mesh, options, watch| {
+        let (normals, tagged) = tag(mesh)?;
+        sew_splined(mesh, &normals, &tagged, (&bubbles, &splines), options, watch, |surface| {
+            a.nets.as_deref().map_or(Ok(()), |path| write_nets(path, surface))
+        })
     })
+}
+
+/// A patch as it is written.
+#[derive(Serialize)]
+struct Net {
+    face: usize,
+    #[serde(flatten)]
+    net: HomogeneousSpline,
+}
+
+/// Writes the nets of all patches, one per line.
+fn write_nets(path: &Path, surface: &SplineSurface) -> Result<(), SutureError> {
+    let failed = |source| SutureError::File { path: path.to_owned(), source };
+    let mut out = BufWriter::new(File::create(path).map_err(failed)?);
+    for (face, patch) in surface.patches.iter().enumerate() {
+        let net = Net { face, net: patch.bspline()? };
+        out.write_all(if face == 0 { b"[\n" } else { b",\n" }).map_err(failed)?;
+        serde_json::to_writer(&mut out, &net).map_err(|e| failed(e.into()))?;
+    }
+    out.write_all(b"\n]\n").and_then(|()| out.flush()).map_err(failed)
 }
 
 /// Pairs of vertices, one per line; empty lines and those that begin with `#` do not count.
