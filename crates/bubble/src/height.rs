@@ -17,6 +17,9 @@ use crate::{
 /// rounding by the square of the distance there, the polynomial's second derivatives are off by its power `2n − 1`.
 const RADIUS: [f64; MAX_ORDER + 1] = [1e-5, 1e-5, 1e-3, 7e-3, 2e-2];
 
+/// The same over bent bases, where terms of higher order are larger.
+const BENT_RADIUS: [f64; MAX_ORDER + 1] = [1e-5, 2e-6, 2.3e-4, 2e-3, 1e-2];
+
 /// Value and derivatives to order two in two variables `x` (inward) and `λ` (along).
 pub(crate) type Two = [f64; 6];
 
@@ -48,7 +51,7 @@ impl BubblePatch {
             return None;
         }
         let b = [1.0 - at.x - at.y, at.x, at.y];
-        let radius = RADIUS[self.order];
+        let radius = if self.bent() { BENT_RADIUS[self.order] } else { RADIUS[self.order] };
         (0..3).find_map(|k| {
             let (x, y) = (b[(k + 1) % 3], b[(k + 2) % 3]);
             (x + y <= radius).then_some((k, x, y))
