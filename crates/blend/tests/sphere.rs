@@ -202,3 +202,51 @@ fn too_wide_is_refused_with_the_arc() {
     let error = blend(&cube(), &PaperMaps, &options).unwrap_err();
     assert!(matches!(error, BlendError::ArcTooShort { .. }), "{error}");
 }
+
+/// A point of every blending patch.
+fn points(blend: &Blend) -> Vec<DVec3> {
+    let blends = blend.surface.patches().iter().filter(|p| p.kind() != PatchKind::Trimmed);
+    blends.map(|p| p.jet(DVec2::new(0.2, 0.1)).p).collect()
+}
+
+#[test]
+fn redrawn_arcs_give_what_a_fresh_start_gives() {
+    let options = WidthOptions { wanted: 0.06, ..WidthOptions::default() };
+    let maps = Correspondence::default();
+    let mut sewing = Sewing::new(cube(), &maps, &options).unwrap();
+    let first = points(&sewing.sew().unwrap());
+    let mut other = cube();
+    let mut k = 0;
+    other.arcs[0].samples.retain(|_| {
+        k += 1;
+        k % 8 != 3
+    });
+    sewing.redraw(other.clone()).unwrap();
+    let again = points(&sewing.sew().unwrap());
+    let fresh = points(&blend(&other, &maps, &options).unwrap());
+    assert!(again == fresh && again != first);
+    let mut fewer = cube();
+    fewer.arcs.pop();
+    assert!(sewing.redraw(fewer).is_err());
+}
+
+#[test]
+fn blends_that_fold_are_named_to_those_who_are_strict() {
+    let options = WidthOptions { wanted: 0.06, ..WidthOptions::default() };
+    let mut network = cube();
+    // Both sides meet far beyond the arc: the strips run back and forth although no map folds.
+    let last = (network.arcs[0].samples.len() - 1) as f64;
+    for (k, sample) in network.arcs[0].samples.iter_mut().enumerate() {
+        let t = k as f64 / last;
+        let beyond = 1.0 + 0.12 * (4.0 * t * (1.0 - t)).powi(3);
+        sample.left *= beyond;
+        sample.right *= beyond;
+    }
+    let mut sewing = Sewing::new(network, &PaperMaps, &options).unwrap();
+    sewing.be_strict(true);
+    let error = sewing.sew().unwrap_err();
+    let BlendError::Obstacles { first, arcs, .. } = &error else { panic!("{error}") };
+    assert!(matches!(**first, BlendError::Crumpled { .. }) && *arcs == [0], "{error} {arcs:?}");
+    sewing.be_strict(false);
+    assert!(sewing.sew().is_ok());
+}
