@@ -1,6 +1,6 @@
 //! Prints what the construction achieves on the meshes named on the command line (or on spheres of growing size, without).
 //!
-//! `cargo run --release -p suture-apatch --example measure -- MESH…`
+//! `cargo run --release -p suture-apatch --example measure_apatch -- MESH…`
 
 #[path = "../tests/common/mod.rs"]
 mod common;

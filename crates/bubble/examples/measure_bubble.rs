@@ -3,7 +3,7 @@
 //!
 //! `measure seams|jets|creases|splines|sphere|invariance|speed … FILES` prints these tables alone, and of the files alone.
 //!
-//! `cargo run --release -p suture-bubble --example measure -- ../shared/data/good/eight.off …`
+//! `cargo run --release -p suture-bubble --example measure_bubble -- ../shared/data/good/eight.off …`
 
 #[path = "../tests/common/mod.rs"]
 mod common;

@@ -1,7 +1,7 @@
 //! Rebuilds the figures of the paper from their descriptions and measures how they join; then times a fill with B-spline constituents.
 //!
 //! ```text
-//! cargo run --release -p suture-coons --example measure
+//! cargo run --release -p suture-coons --example measure_coons
 //! ```
 
 use std::sync::Arc;
