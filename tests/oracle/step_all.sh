@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Reconstructs meshes, writes STEP files and checks them with OpenCASCADE: step_all.sh DATA OUT [NAME …], DATA with good/, paper/ and
-# labels_auto/. Prints a table; its last three columns are of a STEP file with one plane per triangle. With FACETED=no they are left out.
+# Reconstructs meshes, writes STEP files and checks them with OpenCASCADE: step_all.sh DATA OUT [NAME …], DATA with good/ and paper/.
+# Prints a table; its last three columns are of a STEP file with one plane per triangle. With FACETED=no they are left out.
 # Wants target/release/suture and the environment that `cargo xtask oracle` makes. Files that are in OUT already are not made again.
 set -uo pipefail
 data=${1:?folder with good/ and paper/} out=${2:?folder for results}
@@ -17,8 +17,6 @@ for name in "$@"; do
     mesh=$(ls "$data"/{paper,good}/"$name".{obj,off,ply} 2>/dev/null | head -n 1)
     labels=()
     [ -e "$data/paper/$name.labels" ] && labels=(--labels "$data/paper/$name.labels")
-    # What is found automatically on the cow cannot be blended everywhere.
-    [ "$name" = cow ] && labels=(--labels "$data/labels_auto/cow.labels")
     [ -e "$out/$name.step" ] || "$suture" reconstruct -q "$mesh" "${labels[@]}" -o "$out/$name.step" --json "$out/$name.json" ||
         { echo "$name | FAILED"; bad=1; continue; }
     row=$("$python" "$here/check_step.py" "$out/$name.step" "$out/$name.json" "$mesh") || bad=1

@@ -45,13 +45,14 @@ pub struct MapSet {
 pub struct Memory(Option<Box<dyn Any + Send>>);
 
 impl Memory {
-    /// What was kept, or `fresh` where nothing of that kind was.
-    pub fn recall<T: Any + Send>(&mut self, fresh: impl FnOnce() -> T) -> &mut T {
-        if !self.0.as_ref().is_some_and(|kept| kept.is::<T>()) {
-            self.0 = None;
-        }
-        let kept = self.0.get_or_insert_with(|| Box::new(fresh()));
-        kept.downcast_mut().unwrap_or_else(|| unreachable!("another kind was dropped above"))
+    /// Hands out what was kept; `None` where nothing of that kind was.
+    pub fn take<T: Any + Send>(&mut self) -> Option<T> {
+        self.0.take()?.downcast().ok().map(|kept| *kept)
+    }
+
+    /// Keeps this for the next call.
+    pub fn keep<T: Any + Send>(&mut self, kept: T) {
+        self.0 = Some(Box::new(kept));
     }
 }
 

@@ -63,7 +63,7 @@ pub struct ReconstructOptions {
 /// and unequal triangles waver between the vertices, and the blends fold with them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refinement {
-    /// Angle between the normals of neighbouring faces, in radians, beyond which they are moved apart.
+    /// Angle between the normals of neighbouring faces, in radians, beyond which their edge is ironed.
     pub sharpest: f64,
     /// Longest edge, in wanted widths of the blends.
     pub longest: f64,
@@ -91,7 +91,8 @@ impl Refinement {
     }
 
     fn ironing(&self) -> IronOptions {
-        IronOptions { sharpest: self.sharpest, rest: REST, sweeps: IRON_SWEEPS }
+        // No farther than needed: what lies beside a knife edge is the shape.
+        IronOptions { sharpest: self.sharpest, rest: 1.0, sweeps: IRON_SWEEPS }
     }
 
     fn resolve(&self, width: f64) -> RefineOptions {
@@ -105,8 +106,7 @@ impl Refinement {
     }
 }
 
-/// Ironing goes on until edges turn by less than this part of the angle that is too sharp, or this often.
-const REST: f64 = 1.0;
+/// How often the vertices at knife edges are moved at most.
 const IRON_SWEEPS: usize = 50;
 
 /// When segments are split in two and charted again.

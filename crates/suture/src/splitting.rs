@@ -39,7 +39,7 @@ pub(crate) struct Pieces<'a> {
     edge: f64,
 }
 
-/// How many charts splitting may always add; to many charts it may add as many again.
+/// How many segments splitting may add to few of them; to more it may add as many again.
 const FEW: usize = 8;
 
 impl<'a> Pieces<'a> {

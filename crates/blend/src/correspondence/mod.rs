@@ -69,12 +69,24 @@ impl CornerMaps for Correspondence {
         widths: &Widths,
         memory: &mut Memory,
     ) -> Result<MapSet, Vec<BlendError>> {
+        let mut kept: Kept = memory.take().unwrap_or_default();
+        kept.renew(network);
+        let maps = self.ladder(network, widths, &mut kept);
+        memory.keep(kept);
+        maps
+    }
+
+    fn reach(&self, valence: usize) -> f64 {
+        layout::regular_reach(valence)
+    }
+}
+
+impl Correspondence {
+    /// What folds at full degree is made again at degree 1, corners that fold even then by the paper.
+    fn ladder(&self, network: &Network, widths: &Widths, kept: &mut Kept) -> Result<MapSet, Vec<BlendError>> {
         let top = self.gon.clamp(1, PlanePolynomial::MAX_DEGREE);
         let across = self.across.clamp(top, suture_bernstein::MAX_DEGREE);
-        let kept = memory.recall(Kept::default);
-        kept.renew(network);
         let Kept { lengths, back_to_back, corners, arcs, .. } = kept;
-        // The ladder: what folds at full degree is made again at degree 1, corners that fold even then by the paper.
         let mut rungs = vec![Rung::Degree(top); network.corners.len()];
         let mut orders = vec![ArcOrder::Degree(across); network.arcs.len()];
         for (a, arc) in network.arcs.iter().enumerate().filter(|(a, _)| back_to_back[*a]) {
@@ -133,10 +145,6 @@ impl CornerMaps for Correspondence {
                 return Ok(assemble(network, &corners, &arcs));
             }
         }
-    }
-
-    fn reach(&self, valence: usize) -> f64 {
-        layout::regular_reach(valence)
     }
 }
 
