@@ -188,6 +188,23 @@ impl Network {
         Ok(())
     }
 
+    /// Whether two networks differ in the course of their arcs at most. Surfaces are compared by value: whoever draws arcs anew may have
+    /// made them again.
+    pub(crate) fn differs_in_arcs_only(&self, other: &Self) -> bool {
+        let ends = |network: &Self| -> Vec<([usize; 2], usize, usize)> {
+            network
+                .arcs
+                .iter()
+                .map(|ArcCurve { corners, left, right, .. }| (*corners, *left, *right))
+                .collect()
+        };
+        let arcs = |network: &Self| network.corners.iter().map(|c| c.arcs.clone()).collect::<Vec<_>>();
+        self.diagonal == other.diagonal
+            && self.surfaces == other.surfaces
+            && arcs(self) == arcs(other)
+            && ends(self) == ends(other)
+    }
+
     /// Segment `i` of a corner.
     pub(crate) fn segment(&self, corner: &Corner, i: usize) -> usize {
         let end = corner.arcs[i];

@@ -67,9 +67,10 @@ impl<'a> Sewing<'a> {
     /// [`BlendError`]: the network is inconsistent, or not the same but for its arcs.
     pub fn redraw(&mut self, network: Network) -> Result<(), BlendError> {
         network.check()?;
-        let ends = |network: &Network| network.arcs.iter().map(|a| a.corners).collect::<Vec<_>>();
-        if ends(&network) != ends(&self.network) || network.corners.len() != self.network.corners.len() {
-            return Err(BlendError::Inconsistent { what: "other corners than before".into() });
+        if !network.differs_in_arcs_only(&self.network) {
+            return Err(BlendError::Inconsistent {
+                what: "more than the course of arcs differs from before".into(),
+            });
         }
         let fresh = Widths::resolve(&network, self.maps, &self.options)?;
         let before = std::mem::replace(&mut self.network, network);

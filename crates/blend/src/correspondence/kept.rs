@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{ArcBuild, ArcOrder, CornerBuild, Rung, back_to_back};
 use crate::widths::Widths;
-use crate::{ArcCurve, BlendError, Network};
+use crate::{BlendError, Network};
 
 /// The maps made for the latest widths of a network, by what they depend on.
 #[derive(Default)]
@@ -21,7 +21,7 @@ pub(super) struct Kept {
 impl Kept {
     /// Forgets what was made of other surfaces and arcs than those of `network`.
     pub(super) fn renew(&mut self, network: &Network) {
-        let old = self.network.take().filter(|old| similar(old, network));
+        let old = self.network.take().filter(|old| old.differs_in_arcs_only(network));
         let changed: Vec<bool> = (network.arcs.iter().enumerate())
             .map(|(a, arc)| old.as_ref().is_none_or(|old| old.arcs[a] != *arc))
             .collect();
@@ -46,19 +46,6 @@ impl Kept {
         }
         self.network = Some(old.filter(|_| !changed.contains(&true)).unwrap_or_else(|| network.clone()));
     }
-}
-
-/// Whether two networks differ in the course of their arcs at most.
-fn similar(a: &Network, b: &Network) -> bool {
-    let ends = |network: &Network| -> Vec<([usize; 2], usize, usize)> {
-        network.arcs.iter().map(|ArcCurve { corners, left, right, .. }| (*corners, *left, *right)).collect()
-    };
-    a.diagonal == b.diagonal
-        && a.surfaces.len() == b.surfaces.len()
-        && a.surfaces.iter().zip(&b.surfaces).all(|(a, b)| Arc::ptr_eq(a, b))
-        && a.corners.len() == b.corners.len()
-        && a.corners.iter().zip(&b.corners).all(|(a, b)| a.arcs == b.arcs)
-        && ends(a) == ends(b)
 }
 
 /// What the maps of a corner depend on beside the surfaces and arcs around it.
