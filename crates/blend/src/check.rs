@@ -1,17 +1,14 @@
 //! Are the maps of a network usable: no fold, no ring that crosses itself, nothing outside the domain of a B-spline?
 
-use std::sync::Arc;
-
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use suture_bernstein::{BSplineSurface, BezierPatch, Jet2};
-use suture_surface::{Patch, PatchKind};
+use suture_surface::PatchKind;
 
 use crate::assemble::trimming_loop;
 use crate::maps::{MapSet, StripMaps};
 use crate::patches::{NBlend, Strip};
-use crate::polynomial::PlanePolynomial;
-use crate::{ArcCurve, BlendError, Network, gon};
+use crate::{ArcCurve, BlendError, Network, gon, weights};
 
 /// Samples across a strip; three times as many along it.
 const SAMPLES: usize = 8;
@@ -155,18 +152,11 @@ fn check_corner(network: &Network, maps: &MapSet, widths: &[f64], c: usize) -> M
         check_inside(&network.surfaces[segment], segment, points, &[c], &arcs, &place, &mut report);
     }
     let surfaces: Vec<_> = (0..n).map(|j| network.surfaces[network.segment(corner, j)].clone()).collect();
-    let parts: Vec<_> = surfaces.iter().cloned().zip(&set.gon).collect();
     if let Some(blend) = NBlend::new(surfaces, set.gon.clone()) {
         let r = gon::corners(n);
         let around = (0..n).flat_map(|j| [r[j], 0.5 * (r[j] + r[(j + 1) % n])]);
         let points = around.flat_map(|p| [0.45 * p, 0.9 * p]).chain([DVec2::ZERO]);
-        let areas = points.map(|at| {
-            let of = |(surface, map): &(Arc<BSplineSurface<DVec3>>, &PlanePolynomial)| {
-                let map = map.jet(at);
-                surface.jet(map.p).compose(&map)
-            };
-            area(&blend.jet(at), parts.iter().map(of))
-        });
+        let areas = points.map(|at| area((0..n).map(|k| blend.part(k, at)), &weights::n_blend(n, at)[..n]));
         let arcs = corner.arcs.iter().map(|end| end.arc).collect();
         check_area(areas, &|| format!("the N-blend at corner {c}"), arcs, &mut report);
     }
@@ -248,12 +238,14 @@ fn check_apart(
 }
 
 /// Area element of a blend relative to the mean of those of its parts, by the direction of their normals.
-fn area(blend: &Jet2, parts: impl Iterator<Item = Jet2>) -> f64 {
-    let (sum, total, count) = parts.fold((DVec3::ZERO, 0.0, 0.0), |(sum, total, count), part| {
+fn area(parts: impl Iterator<Item = Jet2>, weights: &[Jet2<f64>]) -> f64 {
+    let (mut blend, mut sum, mut total) = (Jet2::default(), DVec3::ZERO, 0.0);
+    for (part, weight) in parts.zip(weights) {
+        blend = blend.add(part.weighted(weight));
         let normal = part.du.cross(part.dv);
-        (sum + normal, total + normal.length(), count + 1.0)
-    });
-    blend.du.cross(blend.dv).dot(sum.normalize_or_zero()) * count / total
+        (sum, total) = (sum + normal, total + normal.length());
+    }
+    blend.du.cross(blend.dv).dot(sum.normalize_or_zero()) * weights.len() as f64 / total
 }
 
 fn check_area(
@@ -279,18 +271,11 @@ fn check_strip_area(
     report: &mut MapReport,
 ) {
     let surfaces = sides.map(|segment| network.surfaces[segment].clone());
-    let maps = [maps.down.clone(), maps.up.clone()];
-    let strip = Strip::new(surfaces.clone(), maps.clone(), PatchKind::AdjacentStrip);
+    let strip = Strip::new(surfaces, [maps.down.clone(), maps.up.clone()], PatchKind::AdjacentStrip);
     let part = |i: usize, n: usize| i as f64 / n as f64;
     let points =
         (0..=SAMPLES).flat_map(|i| (1..SAMPLES).map(move |j| DVec2::new(part(i, SAMPLES), part(j, SAMPLES))));
-    let areas = points.map(|at| {
-        let of = |k: usize| {
-            let map = maps[k].jet(at);
-            surfaces[k].jet(map.p).compose(&map)
-        };
-        area(&strip.jet(at), (0..2).map(of))
-    });
+    let areas = points.map(|at| area((0..2).map(|k| strip.part(k, at)), &weights::strip(at.y)));
     check_area(areas, place, vec![arc], report);
 }
 

@@ -41,6 +41,12 @@ impl Strip {
     pub fn constituents(&self, at: DVec2) -> [DVec3; 2] {
         [0, 1].map(|k| self.surfaces[k].jet(self.maps[k].jet(at).p).p)
     }
+
+    /// What surface `k` contributes before it is weighted.
+    pub(crate) fn part(&self, k: usize, at: DVec2) -> Jet2 {
+        let map = self.maps[k].jet(at);
+        self.surfaces[k].jet(map.p).compose(&map)
+    }
 }
 
 impl Patch for Strip {
@@ -54,8 +60,7 @@ impl Patch for Strip {
         for k in 0..2 {
             // Where a weight and its derivatives vanish, the surface may not even be defined.
             if weights[k] != Jet2::default() {
-                let map = self.maps[k].jet(at);
-                sum = sum.add(self.surfaces[k].jet(map.p).compose(&map).weighted(&weights[k]));
+                sum = sum.add(self.part(k, at).weighted(&weights[k]));
             }
         }
         sum
@@ -100,6 +105,12 @@ impl NBlend {
     pub fn constituents(&self, at: DVec2) -> Vec<DVec3> {
         self.surfaces.iter().zip(&self.maps).map(|(f, g)| f.jet(g.jet(at).p).p).collect()
     }
+
+    /// What surface `k` contributes before it is weighted.
+    pub(crate) fn part(&self, k: usize, at: DVec2) -> Jet2 {
+        let map = self.maps[k].jet(at);
+        self.surfaces[k].jet(map.p).compose(&map)
+    }
 }
 
 impl Patch for NBlend {
@@ -110,9 +121,8 @@ impl Patch for NBlend {
     fn jet(&self, at: DVec2) -> Jet2 {
         let weights = weights::n_blend(self.surfaces.len(), at);
         let mut sum = Jet2::default();
-        for ((surface, map), weight) in self.surfaces.iter().zip(&self.maps).zip(&weights) {
-            let map = map.jet(at);
-            sum = sum.add(surface.jet(map.p).compose(&map).weighted(weight));
+        for (k, weight) in (0..self.surfaces.len()).zip(&weights) {
+            sum = sum.add(self.part(k, at).weighted(weight));
         }
         sum
     }
