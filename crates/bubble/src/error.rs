@@ -131,11 +131,6 @@ pub enum BubbleError {
         /// What is wrong.
         reason: &'static str,
     },
-    /// A patch over a bent base has no net of the stated degrees.
-    #[error(
-        "the patch has a bent base (beside a crease, a tangent laid out anew or a side it would turn back over); only others are written as B-splines"
-    )]
-    Bent,
     /// A surface point is not finite.
     #[error(
         "the surface over face {face} is not finite; its coordinates or normals are too large or too small"

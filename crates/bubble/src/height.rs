@@ -10,18 +10,41 @@ use crate::{
     fast::{self, Directions, Lane, Lanes},
     half::{GRADIENT, Seen},
     hermite::rising,
-    patch::{BubblePatch, Pairing},
+    patch::BubblePatch,
+    series::Plane,
 };
 
-/// Up to this barycentric distance from a corner (by order) the corner's polynomial stands for the height: the exact formula divides
-/// rounding by the square of the distance there, the polynomial's second derivatives are off by its power `2n − 1`.
-const RADIUS: [f64; MAX_ORDER + 1] = [1e-5, 1e-5, 1e-3, 7e-3, 2e-2];
+/// Up to this barycentric distance from a corner (by order) the corner's polynomial stands for the height; its error in derivatives of
+/// order `n` is the power `n + 1` of the distance.
+pub(crate) const TIP: [f64; MAX_ORDER + 1] = [1e-9, 1e-7, 1e-5, 1e-4, 1e-3];
 
-/// The same over bent bases, where terms of higher order are larger.
-const BENT_RADIUS: [f64; MAX_ORDER + 1] = [1e-5, 2e-6, 2.3e-4, 2e-3, 1e-2];
+/// Up to this one the halves that run to the corner are taken as polynomials ([`crate::near`]): the exact formula divides rounding by the square
+/// of the distance. Over plane bases points on the sides are as good by the exact formula, which is faster.
+pub(crate) const NEAR: f64 = 1e-2;
+
+/// Points on a side: those nearer to it, relative to the distance from the corner.
+const SIDE: f64 = 1e-6;
 
 /// Value and derivatives to order two in two variables `x` (inward) and `λ` (along).
 pub(crate) type Two = [f64; 6];
+
+/// A point close to corner `k`, with its coordinates towards the next and the previous corner.
+#[derive(Clone, Copy)]
+pub(crate) struct Corner {
+    pub(crate) k: usize,
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+}
+
+/// What stands for the height at a point.
+pub(crate) enum Place {
+    /// The corner's polynomial.
+    Tip(Corner),
+    /// The halves, those that run to the corner as polynomials.
+    Near(Corner),
+    /// The halves.
+    Open,
+}
 
 /// The fast way at one point, compiled once for every set of instructions.
 struct Fast<'a, const N: usize> {
@@ -44,44 +67,59 @@ impl<const N: usize> pulp::WithSimd for Fast<'_, N> {
 }
 
 impl BubblePatch {
-    /// The corner whose polynomial stands for the height at `at`, with the local parameters there.
+    /// Where `at` lies, as corners see it.
     #[inline(always)]
-    pub(crate) fn near_corner(&self, at: DVec2) -> Option<(usize, f64, f64)> {
+    pub(crate) fn place(&self, at: DVec2) -> Place {
         if self.count == 4 {
-            return None;
+            return Place::Open;
         }
         let b = [1.0 - at.x - at.y, at.x, at.y];
-        let radius = if self.bent() { BENT_RADIUS[self.order] } else { RADIUS[self.order] };
-        (0..3).find_map(|k| {
+        for k in 0..3 {
             let (x, y) = (b[(k + 1) % 3], b[(k + 2) % 3]);
-            (x + y <= radius).then_some((k, x, y))
-        })
+            if x + y > NEAR {
+                continue;
+            }
+            let corner = Corner { k, x, y };
+            if x + y <= TIP[self.order] {
+                return if self.jets.is_empty() { Place::Near(corner) } else { Place::Tip(corner) };
+            }
+            let inside = self.bent() || x.min(y) > SIDE * (x + y);
+            return if inside { Place::Near(corner) } else { Place::Open };
+        }
+        Place::Open
     }
 
     /// The jet of the height `h`.
     pub fn height(&self, at: DVec2) -> Jet2<f64> {
+        let near = match self.place(at) {
+            Place::Tip(corner) => return self.corner_height(&corner),
+            Place::Near(corner) => Some(corner),
+            Place::Open => None,
+        };
+        // Bent bases are for the general code.
+        let general = near.is_some() || self.bent();
         match self.order {
-            // Bent bases are for the general code.
-            0 if self.bent() => self.height_sized::<0, 3>(at),
-            1 if self.bent() => self.height_sized::<1, 4>(at),
-            2 if self.bent() => self.height_sized::<2, 5>(at),
+            0 if general => self.height_sized::<0, 3>(at, near),
+            1 if general => self.height_sized::<1, 4>(at, near),
+            2 if general => self.height_sized::<2, 5>(at, near),
             0 => self.height_fast::<0>(at),
             1 => self.height_fast::<1>(at),
             2 => self.height_fast::<2>(at),
-            3 => self.height_sized::<3, 6>(at),
-            _ => self.height_sized::<4, 7>(at),
+            3 => self.height_sized::<3, 6>(at, near),
+            _ => self.height_sized::<4, 7>(at, near),
         }
     }
 
+    /// The halves summed; those that run to the corner `near` go together.
     #[inline(always)]
-    fn height_sized<const N: usize, const L: usize>(&self, at: DVec2) -> Jet2<f64> {
-        if let Some((k, x, y)) = self.near_corner(at) {
-            return self.corner_height(k, x, y);
-        }
-        let mut sum = Jet2::default();
+    fn height_sized<const N: usize, const L: usize>(&self, at: DVec2, near: Option<Corner>) -> Jet2<f64> {
+        let mut sum = near.map_or(Jet2::default(), |corner| jet_of(&self.near::<N, 3>(&corner)));
         for Seen { number, half, weights: [data, twist], coordinates: [x, lambda, w], strip, t } in
             self.seen_from(at)
         {
+            if near.is_some_and(|corner| corner.k == half.to) {
+                continue;
+            }
             let mut e: CrossData<L> = cross::<N, L>(strip, t, &self.leaving(&half, lambda));
             if half.against {
                 e.iter_mut().for_each(|e| e[1] = -e[1]);
@@ -100,9 +138,6 @@ impl BubblePatch {
     /// [`height_sized`](Self::height_sized) for orders up to 2, with the instructions that the machine has.
     #[inline]
     fn height_fast<const N: usize>(&self, at: DVec2) -> Jet2<f64> {
-        if let Some((k, x, y)) = self.near_corner(at) {
-            return self.corner_height(k, x, y);
-        }
         pulp::Arch::new().dispatch(Fast::<N> { patch: self, at })
     }
 
@@ -217,14 +252,9 @@ impl BubblePatch {
     }
 
     /// The corner's polynomial; the inward gradients of its parameters turn it to `(u, v)`.
-    pub(crate) fn corner_height(&self, k: usize, x: f64, y: f64) -> Jet2<f64> {
+    pub(crate) fn corner_height(&self, &Corner { k, x, y }: &Corner) -> Jet2<f64> {
         let (size, length) = self.jet_size();
-        let Some(c) = self.jets.get(k * size..(k + 1) * size) else {
-            if self.order == 0 && self.pairing != Pairing::Mean {
-                return self.nudged(k, x, y);
-            }
-            return Jet2::default();
-        };
+        let Some(c) = self.jets.get(k * size..(k + 1) * size) else { return Jet2::default() };
         let [px, py] = [powers(x), powers(y)];
         let mut f: Two = [0.0; 6];
         for a in 0..length {
@@ -239,27 +269,6 @@ impl BubblePatch {
             }
         }
         plane_jet(&f, &[GRADIENT[(k + 1) % 3], GRADIENT[(k + 2) % 3]])
-    }
-
-    /// Taylor's polynomial about a point a little further inside: single pairings of order 0 have no polynomial of their own at
-    /// corners.
-    fn nudged(&self, k: usize, x: f64, y: f64) -> Jet2<f64> {
-        let r = 2.0 * RADIUS[0];
-        let local = DVec2::new(r, r);
-        let mut b = [0.0; 3];
-        (b[k], b[(k + 1) % 3], b[(k + 2) % 3]) = (1.0 - 2.0 * r, r, r);
-        let j = self.height(DVec2::new(b[1], b[2]));
-        let d = DVec2::new(x, y) - local;
-        // From changes of the corner's barycentric coordinates to changes of u and v.
-        let mut to = [0.0; 3];
-        (to[k], to[(k + 1) % 3], to[(k + 2) % 3]) = (-d.x - d.y, d.x, d.y);
-        let (du, dv) = (to[1], to[2]);
-        Jet2 {
-            p: j.p + j.du * du + j.dv * dv + 0.5 * (j.duu * du * du + j.dvv * dv * dv) + j.duv * du * dv,
-            du: j.du + j.duu * du + j.duv * dv,
-            dv: j.dv + j.duv * du + j.dvv * dv,
-            ..j
-        }
     }
 }
 
@@ -324,6 +333,11 @@ pub(crate) fn plane_jet(f: &Two, [a, b]: &[[f64; 2]; 2]) -> Jet2<f64> {
     }
 }
 
+/// Value and derivatives from Taylor coefficients.
+fn jet_of(Plane(c): &Plane<3>) -> Jet2<f64> {
+    Jet2 { p: c[0][0], du: c[1][0], dv: c[0][1], duu: 2.0 * c[2][0], duv: c[1][1], dvv: 2.0 * c[0][2] }
+}
+
 /// Powers `x^a` with their first two derivatives.
 fn powers(x: f64) -> [[f64; 9]; 3] {
     let mut out = [[0.0; 9]; 3];
@@ -344,7 +358,7 @@ fn powers(x: f64) -> [[f64; 9]; 3] {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::{BubbleOptions, Face, PolyMesh, bubble};
+    use crate::{BubbleOptions, Face, Pairing, PolyMesh, bubble};
     use glam::DVec3;
     use suture_surface::Patch;
 
@@ -369,9 +383,9 @@ pub(crate) mod tests {
                     for (u, v) in [(0.2, 0.3), (0.5, 0.0), (0.7, 0.1), (0.0, 0.4), (0.35, 0.65)] {
                         let at = DVec2::new(u, v);
                         let general = match order {
-                            0 => patch.height_sized::<0, 3>(at),
-                            1 => patch.height_sized::<1, 4>(at),
-                            _ => patch.height_sized::<2, 5>(at),
+                            0 => patch.height_sized::<0, 3>(at, None),
+                            1 => patch.height_sized::<1, 4>(at, None),
+                            _ => patch.height_sized::<2, 5>(at, None),
                         };
                         let fast = patch.height(at);
                         let c = patch.taylor(at);

@@ -45,6 +45,7 @@ mod hermite;
 mod implicit;
 mod lean;
 mod monomial;
+mod near;
 mod network;
 mod newton;
 mod patch;

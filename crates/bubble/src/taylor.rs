@@ -6,6 +6,7 @@ use crate::{
     corner::plane_index,
     cross::{CrossData, cross},
     half::{GRADIENT, Seen},
+    height::{Corner, Place},
     hermite::Hermite,
     patch::BubblePatch,
     series::{self, Plane},
@@ -55,7 +56,8 @@ impl BubblePatch {
     }
 
     fn height_taylor<const N: usize>(&self, at: DVec2) -> Plane<5> {
-        if let Some((k, x, y)) = self.near_corner(at) {
+        let place = self.place(at);
+        if let Place::Tip(Corner { k, x, y }) = place {
             let (size, length) = self.jet_size();
             let Some(c) = self.jets.get(k * size..(k + 1) * size) else { return Plane::ZERO };
             let [gx, gy] = [GRADIENT[(k + 1) % 3], GRADIENT[(k + 2) % 3]];
@@ -71,11 +73,15 @@ impl BubblePatch {
             }
             return sum;
         }
-        let mut sum = Plane::<5>::ZERO;
+        let near = if let Place::Near(corner) = place { Some(corner) } else { None };
+        let mut sum = near.map_or(Plane::ZERO, |corner| self.near::<N, 5>(&corner));
         let hermite = Hermite::new(N);
         for Seen { number, half, weights: [data, twist], coordinates: [x, lambda, w], strip, t } in
             self.seen_from(at)
         {
+            if near.is_some_and(|corner| corner.k == half.to) {
+                continue;
+            }
             let mut e: CrossData<9> = cross::<N, 9>(strip, t, &self.leaving(&half, lambda));
             if half.against {
                 e.iter_mut().flat_map(|e| e.iter_mut().skip(1).step_by(2)).for_each(|e| *e = -*e);

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{deformed, jet_jumps, jumps, parameters, tetrahedron, torus, with_normals};
+use common::{deformed, jet_jumps, jumps, near_ends, parameters, tetrahedron, torus, with_normals};
 use glam::{DMat3, DVec2, DVec3};
 use suture_bubble::{
     BubbleError, BubbleOptions, EndTaylor, Face, Implicit, Network, PolyMesh, Strip, bubble, bubble_over,
@@ -29,7 +29,7 @@ fn orders_0_to_2_join_as_claimed() {
     for mesh in meshes() {
         for order in 0..3 {
             let s = bubble(&mesh, &BubbleOptions { order, ..Default::default() }).unwrap();
-            let j = jumps(&s, 3.0, &parameters(21));
+            let j = jumps(&s, 3.0, &[parameters(21), near_ends()].concat());
             assert!(j.position < 1e-13, "{order} {j:?}");
             assert!(order < 1 || j.normal < 1e-12, "{order} {j:?}");
             assert!(order < 2 || j.shape < 1e-10, "{order} {j:?}");

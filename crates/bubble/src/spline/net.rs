@@ -36,19 +36,20 @@ impl HomogeneousSpline {
     }
 }
 
+/// One more than the largest total degree of a bend: `4n + 3` along its side, one more across a quad.
+const BEND_TERMS: usize = 13;
+
 /// One term `f(u) g(v)` of a sum.
 type Term = (Pieces, Pieces);
 
 impl SplinePatch {
-    /// The patch as a B-spline surface: rational over a triangle, polynomial over a quad; C² across its knots.
+    /// The patch as a B-spline surface: rational over a triangle, polynomial over a quad; C² across its knots. A bent base (beside creases) adds
+    /// its own degree, `4n + 1` with curved creases, to that of the weight or of the blend across.
     ///
     /// # Errors
-    /// [`BubbleError::Bent`] for patches at creases; [`BubbleError::NotFinitePatch`] when numbers overflow.
+    /// [`BubbleError::NotFinitePatch`] when numbers overflow.
     pub fn bspline(&self) -> Result<HomogeneousSpline, BubbleError> {
         let patch = &self.exact;
-        if patch.bent() {
-            return Err(BubbleError::Bent);
-        }
         let k = self.intervals;
         let n = patch.order;
         let (height, weight) = if patch.count == 3 { self.triangle() } else { (self.quad(), None) };
@@ -73,6 +74,18 @@ impl SplinePatch {
             for (f, g) in &height {
                 if normal[m] != DVec3::ZERO {
                     terms.push((f.mul(a), g.mul(b), normal[m]));
+                }
+            }
+        }
+        if patch.bent() {
+            let bends = patch.bend_taylor::<BEND_TERMS>(DVec2::ZERO);
+            let powers: Vec<Pieces> = (0..BEND_TERMS).map(|i| t.power(i)).collect();
+            for i in 0..BEND_TERMS {
+                for j in 0..BEND_TERMS - i {
+                    let c = DVec3::from_array([0, 1, 2].map(|axis| bends[axis].0[i][j]));
+                    if c != DVec3::ZERO {
+                        terms.push((weight.0.mul(&powers[i]), weight.1.mul(&powers[j]), c));
+                    }
                 }
             }
         }

@@ -8,7 +8,7 @@ use crate::{
     MAX_ORDER,
     cross::{CrossData, cross},
     half::Half,
-    height::{blend, blend_square, plane_jet},
+    height::{Corner, blend, blend_square, plane_jet},
     patch::{BubblePatch, Pairing},
     series,
 };
@@ -85,7 +85,7 @@ impl SplinePatch {
             for k in 0..3 {
                 let (x, y) = (b[(k + 1) % 3], b[(k + 2) % 3]);
                 if self.exact.order > 0 && x + y <= RADIUS {
-                    return self.exact.corner_height(k, x, y);
+                    return self.exact.corner_height(&Corner { k, x, y });
                 }
                 // Flat-data patches have no polynomial at corners; there they are those of a point close by.
                 if self.exact.order == 0 && x + y < 1e-7 {

@@ -128,22 +128,24 @@ fn jump(patches: &[SplinePatch], seam: &Seam, intervals: usize) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BubbleOptions, bubble, height::tests::quad_and_triangle};
+    use crate::{BubbleOptions, bubble, bubble_creased, height::tests::quad_and_triangle};
     use glam::DVec2;
 
     #[test]
     fn nets_are_the_patches_and_have_the_stated_degrees() {
-        for order in 0..3 {
-            let s = bubble(&quad_and_triangle(), &BubbleOptions { order, ..Default::default() }).unwrap();
-            for exact_height in [false, true] {
+        for (order, exact_height) in (0..3).flat_map(|n| [(n, false), (n, true)]) {
+            for tagged in [vec![], vec![[2, 3]]] {
+                let options = BubbleOptions { order, ..Default::default() };
+                let s = bubble_creased(&quad_and_triangle(), &tagged, &options).unwrap();
                 let options = SplineOptions { intervals: Intervals::Count(6), exact_height };
                 let splines = spline_surface(&s, &options).unwrap();
                 for (patch, triangle) in splines.patches.iter().zip([false, true]) {
                     let net = patch.bspline().unwrap();
-                    if !exact_height {
+                    if !exact_height && tagged.is_empty() {
                         let want = if triangle { [5, 7, 11][order] } else { [4, 4, 6][order] };
                         assert_eq!(net.points.degree(), [want; 2], "{order} {triangle}");
                     }
+                    assert_eq!(patch.exact.bent(), !tagged.is_empty());
                     assert_eq!(net.weights.is_some(), triangle);
                     for (u, v) in [(0.2, 0.3), (0.5, 0.0), (0.7, 0.1), (0.0, 0.4), (0.35, 0.65)] {
                         let (a, b) = (patch.jet(DVec2::new(u, v)), net.jet(DVec2::new(u, v)));

@@ -93,6 +93,11 @@ pub fn parameters(count: usize) -> Vec<f64> {
     (0..count).map(|k| k as f64 / (count - 1) as f64).collect()
 }
 
+/// Parameters close to 0 and 1, where patches change from one formula to another.
+pub fn near_ends() -> Vec<f64> {
+    (6..34).step_by(3).map(|k| 0.5_f64.powi(k)).flat_map(|e| [e, 1.0 - e]).collect()
+}
+
 type Plane = [[f64; 5]; 5];
 
 fn mul(a: &Plane, b: &Plane) -> Plane {
