@@ -2,21 +2,20 @@
 
 use std::collections::HashMap;
 
-use glam::DVec3;
-use suture_mesh::{Topology, TriMesh};
+use suture_mesh::Topology;
 
+use crate::creases::Creases;
 use crate::rim::Union;
 
 /// Copies of mesh faces, glued along edges.
 ///
 /// Corners of copies are united into classes, the chart vertices. The state is always closed under two rules: (1) a class has at
 /// most one copy of a mesh face; (2) if two faces that share a mesh edge at a vertex both have a copy in one class of that
-/// vertex, the classes at the other end of the edge are one, unless the edge is sharp and not inside the segment. Both are
+/// vertex, the classes at the other end of the edge are one, unless the edge is on a crease and not inside the segment. Both are
 /// Horn rules, so the closure of any set of attached faces is unique, whatever the order of attaching.
 pub(crate) struct Development<'a> {
-    mesh: &'a TriMesh,
     topology: &'a Topology,
-    sharp: f64,
+    creases: Creases<'a>,
     segment_len: usize,
     /// Mesh face of every copy; merged copies stay and point to their representative.
     copies: Vec<u32>,
@@ -42,11 +41,10 @@ enum Task {
 
 impl<'a> Development<'a> {
     /// The segment alone, glued along its inner edges. Faces must exist.
-    pub(crate) fn new(mesh: &'a TriMesh, topology: &'a Topology, segment: &[u32], sharp: f64) -> Self {
+    pub(crate) fn new(topology: &'a Topology, segment: &[u32], creases: Creases<'a>) -> Self {
         let mut new = Self {
             topology,
-            mesh,
-            sharp,
+            creases,
             segment_len: segment.len(),
             copies: Vec::new(),
             same: Union::new(0),
@@ -154,21 +152,12 @@ impl<'a> Development<'a> {
         &self.open
     }
 
-    /// Whether a half-edge has no opposite or a dihedral angle beyond `sharp`. A face without normal has no angle.
-    fn blocked(&self, h: u32) -> bool {
-        let Some(o) = self.topology.opposite(h) else { return true };
-        match (normal(self.mesh, (h / 3) as usize), normal(self.mesh, (o / 3) as usize)) {
-            (Some(m), Some(n)) => m.cross(n).length().atan2(m.dot(n)) > self.sharp,
-            _ => false,
-        }
-    }
-
     /// The half-edge that leaves the same vertex in the neighbouring face, counter-clockwise or clockwise; `None` at a
     /// blocked edge.
-    fn turn(&self, h: u32, forward: bool) -> Option<u32> {
+    fn turn(&mut self, h: u32, forward: bool) -> Option<u32> {
         let t = self.topology;
         let crossed = if forward { t.prev(h) } else { h };
-        let o = t.opposite(crossed).filter(|_| !self.blocked(crossed))?;
+        let o = t.opposite(crossed).filter(|_| !self.creases.stop(crossed))?;
         Some(if forward { o } else { t.next(o) })
     }
 
@@ -245,7 +234,7 @@ impl<'a> Development<'a> {
             let Some(&d) = self.at.get(&(root as u32, o / 3)) else { continue };
             // The segment's own faces have the lowest numbers and represent whatever is merged with them.
             let inner = self.same.find(c as usize).max(self.same.find(d as usize)) < self.segment_len;
-            if !inner && self.blocked(crossed) {
+            if !inner && self.creases.stop(crossed) {
                 continue;
             }
             // The far end: the tail of `crossed` going forward, its head otherwise.
@@ -254,12 +243,4 @@ impl<'a> Development<'a> {
             self.todo.push(Task::Unite(3 * c + here % 3, 3 * d + there % 3));
         }
     }
-}
-
-/// Normal of a face, if rounding errors leave it one.
-fn normal(mesh: &TriMesh, face: usize) -> Option<DVec3> {
-    let [a, b, c] = mesh.corners(face);
-    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-    let n = mesh.area_vector(face);
-    if n.length() > 1e-12 * longest { n.try_normalize() } else { None }
 }

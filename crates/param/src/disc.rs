@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use suture_mesh::{Topology, TriMesh};
 
 use crate::ParamError;
+use crate::creases::Creases;
 use crate::development::Development;
 use crate::rim::boundary_loop;
 
@@ -46,11 +47,17 @@ pub struct CollarOptions {
     /// Dihedral angle in radians beyond which the collar does not cross an edge. Default 25°: one smooth function through
     /// a crease spoils the segment. Pass π to cross everything, as fillets do.
     pub sharp: f64,
+    /// Extent, in the units of the mesh, from which sharp edges that hang together stop the collar; shorter creases are crossed. Default 0:
+    /// every sharp edge stops it.
+    pub shortest: f64,
+    /// Most area of the disc, in those of the flat disc with a collar as wide. Default 3: where the surface is curved like a saddle
+    /// collars grow exponentially, and at this growth their best conformal chart has an area ratio of about 100.
+    pub growth: f64,
 }
 
 impl Default for CollarOptions {
     fn default() -> Self {
-        Self { width: f64::INFINITY, max_rings: 3, sharp: 25f64.to_radians() }
+        Self { width: f64::INFINITY, max_rings: 3, sharp: 25f64.to_radians(), shortest: 0.0, growth: 3.0 }
     }
 }
 
@@ -59,7 +66,7 @@ impl Default for CollarOptions {
 /// Each ring completes the faces around all boundary vertices that are not yet farther than the width. Two copies of one mesh
 /// face that share a chart vertex are one copy, and neighbouring faces that share a chart vertex share their edge too; closing
 /// the disc under these two rules has one result whatever the order, so the collar does not depend on any numbering. A ring
-/// that would close the surface is not taken, and the disc is the one before it.
+/// that would close the surface, or make the disc larger than it may grow, is not taken, and the disc is the one before it.
 ///
 /// # Errors
 /// [`ParamError::Empty`], [`ParamError::FaceIndex`], [`ParamError::RepeatedFace`], [`ParamError::NotDisc`] for the segment;
@@ -75,8 +82,10 @@ pub fn disc_with_collar(
     options: &CollarOptions,
 ) -> Result<Disc, ParamError> {
     let segment = checked(mesh, topology, segment_faces, options)?;
-    let mut development = Development::new(mesh, topology, &segment, options.sharp);
+    let mut development =
+        Development::new(topology, &segment, Creases::new(mesh, topology, options.sharp, options.shortest));
     let mut disc = extract(&mut development, mesh, topology, segment.len(), 0)?;
+    let around = circumference(&disc)?;
     let limit = (16 * mesh.faces.len() + 1024).min(u32::MAX as usize / 6);
     for ring in 1..=options.max_rings {
         // A boundary vertex at which nothing can be attached changes nothing, so all near ones are tried.
@@ -91,6 +100,7 @@ pub fn disc_with_collar(
             return Err(ParamError::CollarTooLarge { faces: development.copies(), rings: ring, limit });
         }
         match extract(&mut development, mesh, topology, segment.len(), ring) {
+            Ok(next) if growth(&next, segment.len(), around) > options.growth => break,
             Ok(next) => disc = next,
             // The collar closes the surface.
             Err(ParamError::NotDisc { loops: 0, .. }) => break,
@@ -160,6 +170,12 @@ fn checked(
             return Err(ParamError::Length { what, given, needed });
         }
     }
+    if options.shortest.is_nan() || options.shortest < 0.0 {
+        return Err(ParamError::Option { option: "shortest", value: options.shortest, limit: "≥ 0" });
+    }
+    if options.growth.is_nan() || options.growth < 1.0 {
+        return Err(ParamError::Option { option: "growth", value: options.growth, limit: "≥ 1" });
+    }
     if segment_faces.is_empty() {
         return Err(ParamError::Empty);
     }
@@ -195,6 +211,29 @@ fn extract(
     let reach =
         boundary.iter().filter(|&&v| open[v as usize]).map(|&v| distance[v as usize]).reduce(f64::min);
     Ok(Disc { vertices, positions, faces, mesh_faces, in_segment, distance, rings, reach })
+}
+
+fn circumference(disc: &Disc) -> Result<f64, ParamError> {
+    let rim = disc.boundary()?;
+    let next = rim.iter().cycle().skip(1);
+    Ok(rim
+        .iter()
+        .zip(next)
+        .map(|(&a, &b)| disc.positions[a as usize].distance(disc.positions[b as usize]))
+        .sum())
+}
+
+/// Area of a disc whose first `segment` faces are `around` in circumference, in that of the flat disc that a convex segment of the same
+/// area and circumference has with a collar as wide (Steiner's formula).
+fn growth(disc: &Disc, segment: usize, around: f64) -> f64 {
+    let area = |f: &[u32; 3]| {
+        let [a, b, c] = f.map(|v| disc.positions[v as usize]);
+        0.5 * (b - a).cross(c - a).length()
+    };
+    let (inside, collar) = disc.faces.split_at(segment);
+    let [inside, collar] = [inside, collar].map(|faces| faces.iter().map(area).sum::<f64>());
+    let width = disc.distance.iter().copied().fold(0.0, f64::max);
+    (inside + collar) / (inside + width * (around + std::f64::consts::PI * width))
 }
 
 fn check_valence(

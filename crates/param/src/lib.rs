@@ -31,6 +31,7 @@
 mod boundary_scale;
 mod chart;
 mod conformal;
+mod creases;
 mod development;
 mod disc;
 mod distortion;

@@ -165,7 +165,7 @@ fn collars_do_not_depend_on_numbering() {
         let (other, _, faces) = renumbered(&mesh, 7);
         let (a, b) = (Topology::build(&mesh).unwrap(), Topology::build(&other).unwrap());
         for sharp in [25f64.to_radians(), std::f64::consts::PI] {
-            let options = CollarOptions { max_rings, sharp, width: f64::INFINITY };
+            let options = CollarOptions { max_rings, sharp, ..CollarOptions::default() };
             for segment in &segments {
                 let mapped: Vec<u32> = segment.iter().map(|&f| faces[f as usize]).collect();
                 let first = disc_with_collar(&mesh, &a, segment, &options);
@@ -236,7 +236,8 @@ fn collars_stop_at_sharp_edges_and_pass_beside_them() {
     // A segment that has the ridge's beginning on its boundary only at one vertex.
     let segment: Vec<u32> = (0..10).flat_map(|j| [2 * (j * 10), 2 * (j * 10) + 1]).collect();
     for rings in 1..=9 {
-        let options = CollarOptions { max_rings: rings, sharp: 25f64.to_radians(), width: f64::INFINITY };
+        let options =
+            CollarOptions { max_rings: rings, sharp: 25f64.to_radians(), ..CollarOptions::default() };
         let disc = disc_with_collar(&mesh, &topology, &segment, &options).unwrap();
         check(&mesh, &disc);
         let crossed = |disc: &Disc| {

@@ -27,6 +27,8 @@ pub(crate) struct Charting<'a> {
     pub(crate) fit: &'a (dyn FitSurface + Sync),
     /// Dihedral angle that collars do not cross.
     pub(crate) sharp: f64,
+    /// Extent from which a crease stops collars.
+    pub(crate) shortest: f64,
     pub(crate) diagonal: f64,
     /// Median edge length.
     pub(crate) edge: f64,
@@ -216,8 +218,9 @@ const TURNED: f64 = 16.0;
 
 /// The disc of a segment with a collar of this width.
 fn cut(context: &Charting<'_>, segment: usize, collar: f64) -> Result<Disc, SutureError> {
-    let Charting { mesh, topology, segmentation, sharp, .. } = *context;
-    let options = CollarOptions { width: collar, max_rings: MAX_RINGS, sharp };
+    let Charting { mesh, topology, segmentation, sharp, shortest, .. } = *context;
+    let options =
+        CollarOptions { width: collar, max_rings: MAX_RINGS, sharp, shortest, ..CollarOptions::default() };
     disc_with_collar(mesh, topology, &segmentation.charts[segment].faces, &options)
         .map_err(|source| SutureError::Chart { segment, source })
 }

@@ -167,6 +167,7 @@ impl<'a> Pieces<'a> {
             parameterize: stages.parameterize.as_ref(),
             fit: stages.fit.as_ref(),
             sharp: self.sharp,
+            shortest: options.widths.wanted * diagonal,
             diagonal,
             edge: self.edge,
         };
