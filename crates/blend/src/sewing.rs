@@ -146,7 +146,9 @@ impl<'a> Sewing<'a> {
             let limit = limit.max(self.options.narrowest) * self.network.diagonal;
             self.widths.corner[c] = self.widths.corner[c].min(limit / SHRINK);
         }
-        Ok(Obstacle { error, corners: corners.to_vec(), chain: None, arcs: Vec::new() })
+        // What takes the room is the angle between arcs that leave one of its corners.
+        let arcs = corners.iter().flat_map(|&c| &self.network.corners[c].arcs).map(|end| end.arc).collect();
+        Ok(Obstacle { error, corners: corners.to_vec(), chain: None, arcs })
     }
 
     /// Shrinks the widths that obstacles depend on; `false` where none may shrink.

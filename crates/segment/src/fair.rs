@@ -5,7 +5,7 @@
 //! to the nearest points of the mesh.
 
 use glam::DVec3;
-use suture_mesh::{Topology, TriMesh};
+use suture_mesh::{Topology, TriMesh, median_edge_length};
 
 use crate::Segmentation;
 
@@ -47,7 +47,8 @@ pub fn fair_arcs(
     segmentation: &Segmentation,
     options: &FairOptions,
 ) -> Vec<Vec<MeshPoint>> {
-    segmentation.arcs.iter().map(|arc| fair_arc(mesh, topology, &arc.vertices, options)).collect()
+    let fairing = Fairing::new(mesh, topology);
+    segmentation.arcs.iter().map(|arc| fairing.arc(&arc.vertices, options)).collect()
 }
 
 /// How strongly a point on a crease holds to it, against 1 elsewhere.
@@ -55,12 +56,42 @@ const HOLD: f64 = 1e4;
 /// Rounds of smoothing and pulling back. The second round starts from points on the mesh and moves them little.
 const ROUNDS: usize = 3;
 
-/// One chain of mesh edges as [`fair_arcs`] draws it.
-///
-/// # Panics
-/// When the chain has fewer than two vertices or does not belong to the mesh.
-pub fn fair_arc(mesh: &TriMesh, topology: &Topology, chain: &[u32], options: &FairOptions) -> Vec<MeshPoint> {
-    let edge = median_edge(mesh);
+/// Draws fair arcs on one mesh, one at a time.
+#[derive(Clone, Copy, Debug)]
+pub struct Fairing<'a> {
+    mesh: &'a TriMesh,
+    topology: &'a Topology,
+    edge: f64,
+}
+
+impl<'a> Fairing<'a> {
+    /// Measures the mesh.
+    pub fn new(mesh: &'a TriMesh, topology: &'a Topology) -> Self {
+        Self { mesh, topology, edge: median_edge_length(mesh) }
+    }
+
+    /// The median length of the mesh's edges.
+    pub fn edge(&self) -> f64 {
+        self.edge
+    }
+
+    /// One chain of mesh edges as [`fair_arcs`] draws it.
+    ///
+    /// # Panics
+    /// When the chain has fewer than two vertices or does not belong to the mesh.
+    pub fn arc(&self, chain: &[u32], options: &FairOptions) -> Vec<MeshPoint> {
+        let Self { mesh, topology, edge } = *self;
+        draw(mesh, topology, edge, chain, options)
+    }
+}
+
+fn draw(
+    mesh: &TriMesh,
+    topology: &Topology,
+    edge: f64,
+    chain: &[u32],
+    options: &FairOptions,
+) -> Vec<MeshPoint> {
     let position = |v: u32| mesh.positions[v as usize];
     let mut lengths = vec![0.0];
     for w in chain.windows(2) {
@@ -248,16 +279,4 @@ fn project([a, b, c]: [DVec3; 3], p: DVec3) -> [f64; 3] {
     let sum = va + vb + vc;
     let (v, w) = (vb / sum, vc / sum);
     [1.0 - v - w, v, w]
-}
-
-/// The median length of the half-edges.
-fn median_edge(mesh: &TriMesh) -> f64 {
-    let mut lengths: Vec<f64> = (0..mesh.faces.len())
-        .flat_map(|f| {
-            let [a, b, c] = mesh.corners(f);
-            [a.distance(b), b.distance(c), c.distance(a)]
-        })
-        .collect();
-    let middle = lengths.len() / 2;
-    if lengths.is_empty() { 0.0 } else { *lengths.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }

@@ -46,7 +46,7 @@ mod waypoints;
 pub use automatic::{Automatic, AutomaticOptions, split_charts};
 pub use balance::balance_corners;
 pub use error::SegmentError;
-pub use fair::{FairOptions, MeshPoint, fair_arc, fair_arcs, smooth_line};
+pub use fair::{FairOptions, Fairing, MeshPoint, fair_arcs, smooth_line};
 pub use flatten::{Flatten, NormalSpread};
 pub use labels::{Labels, read_labels, write_labels};
 pub use segmentation::{Arc, ArcEnd, ChartBoundary, Corner, Limits, Segmentation, reach};

@@ -1,6 +1,7 @@
 //! Arcs between segmentation and blends: fair polylines on the mesh, the collars that they ask for, and the network of B-splines
 //! with the parameters of every arc on both sides.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
@@ -8,13 +9,14 @@ use rayon::prelude::*;
 use suture_bernstein::BSplineSurface;
 use suture_blend::{ArcCurve, ArcEnd, ArcSample, Corner, CornerMaps, Network, WidthOptions};
 use suture_mesh::{Topology, TriMesh};
-use suture_segment::{FairOptions, MeshPoint, Segmentation, balance_corners, fair_arc, smooth_line};
+use suture_segment::{FairOptions, Fairing, MeshPoint, Segmentation, balance_corners, smooth_line};
 
 use crate::SutureError;
 use crate::charting::Charted;
 use crate::reconstruct::{Fairness, ReconstructOptions};
 
 /// An arc as a polyline on the mesh; the two sides may name different faces for one point.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ArcLine {
     left: Vec<MeshPoint>,
     right: Vec<MeshPoint>,
@@ -46,61 +48,171 @@ pub(crate) const DRAWINGS: [Drawing; 8] = [
     Drawing { straightness: 0.2, feet: false },
 ];
 
-/// All arcs as polylines on the mesh, each by the drawing of its number in [`DRAWINGS`]; arcs that leave a corner too close to each other
-/// are turned apart.
-pub(crate) fn arc_lines(
-    mesh: &TriMesh,
-    topology: &Topology,
-    segmentation: &Segmentation,
-    options: &ReconstructOptions,
-    drawings: &[usize],
-) -> Vec<ArcLine> {
-    let lines: Vec<ArcLine> = segmentation
-        .arcs
-        .par_iter()
-        .zip(drawings)
-        .map(|(arc, &d)| arc_line(mesh, topology, arc, options, DRAWINGS[d].straightness))
-        .collect();
-    if options.fair == Fairness::Edges {
-        return lines;
+/// The arcs of a segmentation, drawn again and again: what was drawn before is kept.
+pub(crate) struct Drafts<'a> {
+    mesh: &'a TriMesh,
+    topology: &'a Topology,
+    segmentation: &'a Segmentation,
+    options: &'a ReconstructOptions,
+    fairing: Fairing<'a>,
+    diagonal: f64,
+    /// Per arc its lines by straightness (positive numbers order as their bits do), before corners are balanced.
+    lines: Vec<BTreeMap<u64, ArcLine>>,
+    /// Per arc the last line and drawing that were located in the charts.
+    located: Vec<Option<(ArcLine, Drawing, Located)>>,
+}
+
+/// An arc with its parameters on both sides, and what there is to say of it.
+#[derive(Clone, Debug)]
+struct Located {
+    curve: ArcCurve,
+    warning: Option<String>,
+}
+
+impl<'a> Drafts<'a> {
+    pub(crate) fn new(
+        mesh: &'a TriMesh,
+        topology: &'a Topology,
+        segmentation: &'a Segmentation,
+        options: &'a ReconstructOptions,
+    ) -> Self {
+        let count = segmentation.arcs.len();
+        let (fairing, diagonal) = (Fairing::new(mesh, topology), mesh.diagonal());
+        let (lines, located) = (vec![BTreeMap::new(); count], vec![None; count]);
+        Self { mesh, topology, segmentation, options, fairing, diagonal, lines, located }
     }
-    let mut fair: Vec<Vec<MeshPoint>> = lines.into_iter().map(|line| line.left).collect();
-    let radius = TURNED_WIDTHS * options.widths.wanted * mesh.diagonal();
-    balance_corners(mesh, topology, segmentation, &mut fair, radius, LEAST_SECTOR);
-    fair.into_iter().map(|line| ArcLine { left: line.clone(), right: line }).collect()
+
+    /// All arcs as polylines on the mesh, each by the drawing of its number in [`DRAWINGS`]; arcs that leave a corner too close to each
+    /// other are turned apart.
+    pub(crate) fn lines(&mut self, drawings: &[usize]) -> Vec<ArcLine> {
+        let straightness = |a: usize| DRAWINGS[drawings[a]].straightness;
+        let missing: Vec<usize> = (0..drawings.len())
+            .filter(|&a| !self.lines[a].contains_key(&straightness(a).to_bits()))
+            .collect();
+        let new: Vec<ArcLine> = missing.par_iter().map(|&a| self.draw(a, straightness(a))).collect();
+        for (a, line) in missing.into_iter().zip(new) {
+            self.lines[a].insert(straightness(a).to_bits(), line);
+        }
+        let lines: Vec<ArcLine> =
+            (0..drawings.len()).map(|a| self.lines[a][&straightness(a).to_bits()].clone()).collect();
+        if self.options.fair == Fairness::Edges {
+            return lines;
+        }
+        let mut fair: Vec<Vec<MeshPoint>> = lines.into_iter().map(|line| line.left).collect();
+        let radius = TURNED_WIDTHS * self.options.widths.wanted * self.diagonal;
+        balance_corners(self.mesh, self.topology, self.segmentation, &mut fair, radius, LEAST_SECTOR);
+        fair.into_iter().map(|line| ArcLine { left: line.clone(), right: line }).collect()
+    }
+
+    /// One arc, before corners are balanced.
+    fn draw(&self, arc: usize, straightness: f64) -> ArcLine {
+        let chain = &self.segmentation.arcs[arc].vertices;
+        match self.options.fair {
+            Fairness::Fair(fair) => {
+                let width = FAIR_WIDTHS * self.options.widths.wanted * self.diagonal;
+                let cutoff = straightness * fair.cutoff.max(width / self.fairing.edge());
+                let line = self.fairing.arc(chain, &FairOptions { cutoff, ..fair });
+                ArcLine { left: line.clone(), right: line }
+            }
+            Fairness::Edges => edge_line(self.mesh, self.topology, chain),
+        }
+    }
+
+    /// The charts with all arcs located in them, each by the drawing of its number in [`DRAWINGS`].
+    pub(crate) fn network(
+        &mut self,
+        charted: &[Charted],
+        drawings: &[usize],
+        warnings: &mut Vec<String>,
+    ) -> Result<Network, SutureError> {
+        let lines = self.lines(drawings);
+        let new: Vec<Option<Result<Located, SutureError>>> = lines
+            .par_iter()
+            .enumerate()
+            .map(|(a, line)| {
+                let drawing = DRAWINGS[drawings[a]];
+                let known = self.located[a].as_ref().is_some_and(|(l, d, _)| (l, d) == (line, &drawing));
+                (!known).then(|| self.locate(a, line, drawing, charted))
+            })
+            .collect();
+        for (a, (line, new)) in lines.into_iter().zip(new).enumerate() {
+            if let Some(located) = new {
+                self.located[a] = Some((line, DRAWINGS[drawings[a]], located?));
+            }
+        }
+        let located = || self.located.iter().flatten().map(|(_, _, located)| located);
+        warnings.extend(located().filter_map(|l| l.warning.clone()));
+        let arcs = located().map(|l| l.curve.clone()).collect();
+        let corners = (0..self.segmentation.corners.len()).map(|c| self.corner(c, charted)).collect();
+        let surfaces = charted.iter().map(|c| Arc::new(c.fit.surface.clone())).collect();
+        Ok(Network { surfaces, corners, arcs, diagonal: self.diagonal })
+    }
+
+    fn corner(&self, c: usize, charted: &[Charted]) -> Corner {
+        let corner = &self.segmentation.corners[c];
+        let segments = self.segmentation.segments(c);
+        let reach = segments.iter().map(|&s| charted[s as usize].reach).fold(f64::INFINITY, f64::min);
+        Corner {
+            arcs: corner.arcs.iter().map(|e| ArcEnd { arc: e.arc, starts: e.forward }).collect(),
+            widest: reach / suture_blend::outward_reach(corner.arcs.len()),
+        }
+    }
+
+    /// The parameters of an arc in the charts beside it: of the fairest line whose points both surfaces know; the edges themselves always
+    /// are.
+    fn locate(
+        &self,
+        a: usize,
+        line: &ArcLine,
+        Drawing { straightness, feet }: Drawing,
+        charted: &[Charted],
+    ) -> Result<Located, SutureError> {
+        let arc = &self.segmentation.arcs[a];
+        let start = self.segmentation.corners[arc.corners[0]].vertex;
+        // As far as a fit may miss the mesh and still be meant.
+        let tolerance = 0.25 * self.fairing.edge();
+        let cutoff =
+            (!feet).then_some(straightness * FAIR_WIDTHS * self.options.widths.wanted * self.diagonal);
+        let sides = |line: &ArcLine| {
+            let side = |segment: u32, line: &[MeshPoint]| {
+                parameters(&charted[segment as usize], start, line, tolerance, cutoff)
+            };
+            Some((side(arc.left, &line.left)?, side(arc.right, &line.right)?))
+        };
+        let found = sides(line).map(|sides| (line.clone(), sides)).or_else(|| {
+            [0.5, 0.25, 0.1].into_iter().find_map(|part| {
+                let line = self.draw(a, part * straightness);
+                sides(&line).map(|sides| (line, sides))
+            })
+        });
+        let (line, (left, right), warning) = match found {
+            Some((line, sides)) => (line, sides, None),
+            None => {
+                let line = edge_line(self.mesh, self.topology, &arc.vertices);
+                let sides = sides(&line).ok_or_else(|| SutureError::Internal {
+                    what: format!("the charts beside arc {a} lack one of its vertices"),
+                })?;
+                let warning = format!(
+                    "arc {a}: its fair curve leaves the charts beside it; the mesh edges are used instead"
+                );
+                (line, sides, Some(warning))
+            }
+        };
+        let samples = line
+            .left
+            .iter()
+            .zip(left.into_iter().zip(right))
+            .map(|(point, (left, right))| ArcSample { position: point.position, left, right })
+            .collect();
+        let (left, right) = (arc.left as usize, arc.right as usize);
+        Ok(Located { curve: ArcCurve { corners: arc.corners, left, right, samples }, warning })
+    }
 }
 
 /// Arcs are turned apart within this many widths of their corners, up to sectors of this angle: blends reach less than two widths
 /// out of a corner with sectors of 50°, and ever farther out of sharper ones.
 const TURNED_WIDTHS: f64 = 2.5;
 const LEAST_SECTOR: f64 = 50.0 * std::f64::consts::PI / 180.0;
-
-fn arc_line(
-    mesh: &TriMesh,
-    topology: &Topology,
-    arc: &suture_segment::Arc,
-    options: &ReconstructOptions,
-    straightness: f64,
-) -> ArcLine {
-    match options.fair {
-        Fairness::Fair(fair) => {
-            let line = fair_arc(mesh, topology, &arc.vertices, &fairness(mesh, options, fair, straightness));
-            ArcLine { left: line.clone(), right: line }
-        }
-        Fairness::Edges => edge_line(mesh, topology, &arc.vertices),
-    }
-}
-
-fn fairness(
-    mesh: &TriMesh,
-    options: &ReconstructOptions,
-    fair: FairOptions,
-    straightness: f64,
-) -> FairOptions {
-    let edge = suture_mesh::median_edge_length(mesh);
-    let width = FAIR_WIDTHS * options.widths.wanted * mesh.diagonal();
-    FairOptions { cutoff: straightness * fair.cutoff.max(width / edge), ..fair }
-}
 
 /// The chain of edges itself: its vertices in the faces on either side, so that both charts surely know them.
 fn edge_line(mesh: &TriMesh, topology: &Topology, chain: &[u32]) -> ArcLine {
@@ -172,86 +284,6 @@ pub(crate) fn collar_widths(
         }
     }
     collars.iter().zip(shifts).map(|(collar, shift)| collar + shift).collect()
-}
-
-pub(crate) fn network(
-    mesh: &TriMesh,
-    topology: &Topology,
-    segmentation: &Segmentation,
-    charted: &[Charted],
-    lines: Vec<ArcLine>,
-    options: &ReconstructOptions,
-    drawings: &[usize],
-    warnings: &mut Vec<String>,
-) -> Result<Network, SutureError> {
-    let diagonal = mesh.diagonal();
-    let edge = suture_mesh::median_edge_length(mesh);
-    // As far as a fit may miss the mesh and still be meant.
-    let tolerance = 0.25 * edge;
-    let arcs = segmentation
-        .arcs
-        .iter()
-        .zip(lines)
-        .enumerate()
-        .map(|(a, (arc, line))| {
-            let start = segmentation.corners[arc.corners[0]].vertex;
-            let Drawing { straightness, feet } = DRAWINGS[drawings[a]];
-            let cutoff = (!feet).then_some(straightness * FAIR_WIDTHS * options.widths.wanted * diagonal);
-            let sides = |line: &ArcLine| {
-                let side = |segment: u32, line: &[MeshPoint]| {
-                    parameters(&charted[segment as usize], start, line, tolerance, cutoff)
-                };
-                Some((side(arc.left, &line.left)?, side(arc.right, &line.right)?))
-            };
-            // The fairest line whose points both surfaces know; the edges themselves always are.
-            let shorter = |part: f64| arc_line(mesh, topology, arc, options, part * straightness);
-            let found = sides(&line).map(|sides| (line, sides)).or_else(|| {
-                [0.5, 0.25, 0.1].into_iter().find_map(|part| {
-                    let line = shorter(part);
-                    sides(&line).map(|sides| (line, sides))
-                })
-            });
-            let (line, (left, right)) = match found {
-                Some(found) => found,
-                None => {
-                    warnings.push(format!(
-                        "arc {a}: its fair curve leaves the charts beside it; the mesh edges are used instead"
-                    ));
-                    let line = edge_line(mesh, topology, &arc.vertices);
-                    let found = sides(&line).ok_or_else(|| SutureError::Internal {
-                        what: format!("the charts beside arc {a} lack one of its vertices"),
-                    })?;
-                    (line, found)
-                }
-            };
-            let samples = line
-                .left
-                .iter()
-                .zip(left.into_iter().zip(right))
-                .map(|(point, (left, right))| ArcSample { position: point.position, left, right })
-                .collect();
-            let (left, right) = (arc.left as usize, arc.right as usize);
-            Ok(ArcCurve { corners: arc.corners, left, right, samples })
-        })
-        .collect::<Result<_, SutureError>>()?;
-    let corners = segmentation
-        .corners
-        .iter()
-        .enumerate()
-        .map(|(c, corner)| {
-            let reach = segmentation
-                .segments(c)
-                .iter()
-                .map(|&s| charted[s as usize].reach)
-                .fold(f64::INFINITY, f64::min);
-            Corner {
-                arcs: corner.arcs.iter().map(|e| ArcEnd { arc: e.arc, starts: e.forward }).collect(),
-                widest: reach / suture_blend::outward_reach(corner.arcs.len()),
-            }
-        })
-        .collect();
-    let surfaces = charted.iter().map(|c| Arc::new(c.fit.surface.clone())).collect();
-    Ok(Network { surfaces, corners, arcs, diagonal })
 }
 
 /// The parameter of the point of `surface` nearest to `x`, from a guess: Gauss–Newton with halved steps.

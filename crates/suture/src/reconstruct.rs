@@ -11,7 +11,7 @@ use suture_param::{Chart, Parameterize, Recommended};
 use suture_segment::{Automatic, FairOptions, Limits, Segment, Segmentation};
 use suture_tessellate::{Tessellation, TessellationOptions, tessellate};
 
-use crate::arcs::{DRAWINGS, arc_lines, network};
+use crate::arcs::{DRAWINGS, Drafts};
 use crate::charting::Charted;
 use crate::splitting::{Pieces, State};
 use crate::{ByChart, Stage, SutureError, Watch};
@@ -318,6 +318,7 @@ fn sew(
     watch: &dyn Watch,
     warnings: &mut Vec<String>,
 ) -> Result<Blend, SutureError> {
+    let mut drafts = Drafts::new(mesh, topology, segmentation, options);
     let mut redrawn = vec![0; segmentation.arcs.len()];
     let mut content = false;
     let mut sewing: Option<Sewing<'_>> = None;
@@ -326,9 +327,8 @@ fn sew(
             return Err(SutureError::Interrupted);
         }
         let drawings: Vec<usize> = redrawn.iter().map(|&times| times % DRAWINGS.len()).collect();
-        let lines = arc_lines(mesh, topology, segmentation, options, &drawings);
         let mut notes = Vec::new();
-        let network = network(mesh, topology, segmentation, charted, lines, options, &drawings, &mut notes)?;
+        let network = drafts.network(charted, &drawings, &mut notes)?;
         let sewing = match &mut sewing {
             Some(sewing) => {
                 sewing.redraw(network)?;

@@ -7,7 +7,7 @@ use suture_mesh::{Topology, TriMesh};
 use suture_param::CollarOptions;
 use suture_segment::{Limits, Segmentation, split_charts};
 
-use crate::arcs::{arc_lines, collar_widths};
+use crate::arcs::{Drafts, collar_widths};
 use crate::charting::{Charted, Charting, chart_all};
 use crate::reconstruct::Clock;
 use crate::{ReconstructOptions, Stage, Stages, SutureError, Watch};
@@ -157,7 +157,8 @@ impl<'a> Pieces<'a> {
     ) -> Result<Vec<Charted>, SutureError> {
         let Self { mesh, topology, stages, options, .. } = *self;
         let diagonal = mesh.diagonal();
-        let lines = arc_lines(mesh, topology, segmentation, options, &vec![0; segmentation.arcs.len()]);
+        let lines =
+            Drafts::new(mesh, topology, segmentation, options).lines(&vec![0; segmentation.arcs.len()]);
         let collars =
             collar_widths(mesh, segmentation, &lines, &options.widths, stages.maps.as_ref(), diagonal);
         let context = Charting {
