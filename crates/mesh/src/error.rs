@@ -177,6 +177,14 @@ pub enum MeshError {
         /// Number of vertices.
         vertices: usize,
     },
+    /// The colours do not go with the faces.
+    #[error("{colours} colours for {faces} faces; give one per face")]
+    ColourCount {
+        /// Number of colours.
+        colours: usize,
+        /// Number of faces.
+        faces: usize,
+    },
     /// A vertex or normal in memory is not finite, or does not fit the numbers of the format.
     #[error("vertex {vertex} cannot be written as {format}: {value} is not a finite {precision} number")]
     NotWritable {

@@ -36,6 +36,7 @@
 mod automatic;
 mod balance;
 mod census;
+mod colouring;
 mod error;
 mod fair;
 mod flatten;
@@ -45,6 +46,7 @@ mod waypoints;
 
 pub use automatic::{Automatic, AutomaticOptions, split_charts};
 pub use balance::balance_corners;
+pub use colouring::colouring;
 pub use error::SegmentError;
 pub use fair::{FairOptions, Fairing, MeshPoint, fair_arcs, smooth_line};
 pub use flatten::{Flatten, NormalSpread};

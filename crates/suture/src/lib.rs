@@ -18,6 +18,7 @@ mod page;
 mod reconstruct;
 mod repair;
 pub mod report;
+mod segments;
 mod sew;
 mod splitting;
 mod watch;
@@ -31,6 +32,9 @@ pub use reconstruct::{
 };
 pub use repair::repair_all;
 pub use report::Report;
+pub use segments::{
+    ArcReport, ChartReport, CornerReport, FlatteningReport, SegmentsReport, describe_segments,
+};
 pub use sew::{
     NormalSource, SewOptions, Sewn, SplinedReport, sew_apatch, sew_bubble, sew_creased, sew_splined,
     vertex_normals,

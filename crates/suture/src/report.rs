@@ -11,7 +11,7 @@ use suture_mesh::TriMesh;
 use suture_surface::{Continuity, PatchKind, Surface};
 use suture_tessellate::Tessellation;
 
-use crate::{Filled, Reconstruction, Sewn, SutureError};
+use crate::{Filled, Reconstruction, SegmentsReport, Sewn, SutureError};
 
 /// Version of the report's form: raised when a key changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;
@@ -45,6 +45,9 @@ pub struct Report {
     /// Of `compare`: one entry per method.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub compared: Vec<Compared>,
+    /// Of `segment`: charts, corners and arcs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub segments: Option<SegmentsReport>,
     /// The tessellation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tessellation: Option<TessellationReport>,

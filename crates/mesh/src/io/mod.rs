@@ -24,7 +24,7 @@ use std::{fmt, path::Path};
 pub use atomic::atomic_write;
 pub(crate) use normals::mean_normal;
 pub use notice::Notice;
-pub use write::{WriteOptions, write, write_to, write_with};
+pub use write::{WriteOptions, write, write_coloured_ply, write_to, write_with};
 
 use crate::{MeshError, TriMesh};
 

@@ -52,6 +52,27 @@ pub fn write_with(path: impl AsRef<Path>, mesh: &TriMesh, options: WriteOptions)
     })
 }
 
+/// Writes a mesh as binary PLY with an sRGB colour for every face, atomically.
+///
+/// # Errors
+/// [`MeshError::ColourCount`], and as for [`write()`].
+pub fn write_coloured_ply(
+    path: impl AsRef<Path>,
+    mesh: &TriMesh,
+    colours: &[[u8; 3]],
+) -> Result<(), MeshError> {
+    let path = path.as_ref();
+    validate(mesh, MeshFormat::Ply)?;
+    if colours.len() != mesh.faces.len() {
+        return Err(MeshError::ColourCount { colours: colours.len(), faces: mesh.faces.len() });
+    }
+    atomic_write(path, |out| ply_binary(out, mesh, Some(colours))).map_err(|source| MeshError::Io {
+        action: "write",
+        path: path.to_owned(),
+        source,
+    })
+}
+
 /// Writes a mesh to `out`, buffered.
 ///
 /// # Errors
@@ -101,7 +122,7 @@ fn write_body(out: &mut dyn Write, mesh: &TriMesh, format: MeshFormat, ascii: bo
         (MeshFormat::Obj, _) => obj(out, mesh),
         (MeshFormat::Off, _) => off(out, mesh),
         (MeshFormat::Ply, true) => ply_ascii(out, mesh),
-        (MeshFormat::Ply, false) => ply_binary(out, mesh),
+        (MeshFormat::Ply, false) => ply_binary(out, mesh, None),
         (MeshFormat::Stl, true) => stl_ascii(out, mesh),
         (MeshFormat::Stl, false) => stl_binary(out, mesh),
     }
@@ -171,7 +192,7 @@ fn text_faces(out: &mut dyn Write, mesh: &TriMesh) -> io::Result<()> {
     Ok(())
 }
 
-fn ply_header(out: &mut dyn Write, mesh: &TriMesh, encoding: &str) -> io::Result<()> {
+fn ply_header(out: &mut dyn Write, mesh: &TriMesh, encoding: &str, coloured: bool) -> io::Result<()> {
     writeln!(out, "ply\nformat {encoding} 1.0\nelement vertex {}", mesh.positions.len())?;
     let names: &[&str] =
         if mesh.normals.is_some() { &["x", "y", "z", "nx", "ny", "nz"] } else { &["x", "y", "z"] };
@@ -180,28 +201,33 @@ fn ply_header(out: &mut dyn Write, mesh: &TriMesh, encoding: &str) -> io::Result
     }
     // Many readers know only `int` here.
     let index = if mesh.positions.len() > i32::MAX as usize { "uint" } else { "int" };
-    writeln!(out, "element face {}\nproperty list uchar {index} vertex_indices\nend_header", mesh.faces.len())
+    writeln!(out, "element face {}\nproperty list uchar {index} vertex_indices", mesh.faces.len())?;
+    if coloured {
+        writeln!(out, "property uchar red\nproperty uchar green\nproperty uchar blue")?;
+    }
+    writeln!(out, "end_header")
 }
 
 fn ply_ascii(out: &mut dyn Write, mesh: &TriMesh) -> io::Result<()> {
-    ply_header(out, mesh, "ascii")?;
+    ply_header(out, mesh, "ascii", false)?;
     text_vertices(out, mesh)?;
     text_faces(out, mesh)
 }
 
-fn ply_binary(out: &mut dyn Write, mesh: &TriMesh) -> io::Result<()> {
-    ply_header(out, mesh, "binary_little_endian")?;
+fn ply_binary(out: &mut dyn Write, mesh: &TriMesh, colours: Option<&[[u8; 3]]>) -> io::Result<()> {
+    ply_header(out, mesh, "binary_little_endian", colours.is_some())?;
     for (v, p) in mesh.positions.iter().enumerate() {
         let normal = mesh.normals.as_ref().map(|n| n[v]);
         for x in std::iter::once(*p).chain(normal).flat_map(|p| p.to_array()) {
             out.write_all(&x.to_le_bytes())?;
         }
     }
-    for face in &mesh.faces {
+    for (f, face) in mesh.faces.iter().enumerate() {
         out.write_all(&[3])?;
         for v in face {
             out.write_all(&v.to_le_bytes())?;
         }
+        out.write_all(colours.map_or(&[], |c| &c[f]))?;
     }
     Ok(())
 }

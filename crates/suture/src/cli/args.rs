@@ -36,7 +36,7 @@ pub(crate) enum Command {
     /// Lay the three kinds of surfaces over one mesh and show them side by side with one report
     Compare(Box<super::compare::Compare>),
     /// Cut a closed triangle mesh into disc charts and write their labels
-    Segment(Segment),
+    Segment(super::segment::Segment),
     /// Report every defect of a mesh
     Check(Check),
     /// Measure the seams of a saved surface, and its distance from a mesh
@@ -268,23 +268,6 @@ pub(crate) enum Shade {
     Deviation,
     /// One colour
     Lit,
-}
-
-#[derive(ClapArgs, Debug, Serialize)]
-pub(crate) struct Segment {
-    /// The mesh
-    #[serde(skip)]
-    pub(crate) input: PathBuf,
-    /// Where to write the labels, one per face and line
-    #[arg(long, short, value_name = "FILE")]
-    #[serde(skip)]
-    pub(crate) output: Option<PathBuf>,
-    /// Repair first what can be repaired safely
-    #[arg(long)]
-    pub(crate) repair: bool,
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub(crate) segmentation: Segmentation,
 }
 
 #[derive(ClapArgs, Debug)]

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::CommandFactory;
 use suture::blend::{Intent, WidthOptions};
-use suture::mesh::{Topology, TriMesh, shapes};
-use suture::segment::write_labels;
+use suture::mesh::{TriMesh, shapes};
 use suture::view::PageModel;
 use suture::{
     Fairness, ReconstructOptions, Refinement, Report, Splits, Stages, SutureError, Watch, degrees,
@@ -31,7 +30,7 @@ pub(crate) fn run(args: &Args) -> Result<bool, SutureError> {
         Command::Fill(a) => super::fill::run(a, &args.common, &mut report),
         Command::View(a) => super::view::run(a, &args.common, &mut report),
         Command::Compare(a) => super::compare::run(a, &args.common, &mut report),
-        Command::Segment(a) => segment_command(a, &args.common, &mut report),
+        Command::Segment(a) => super::segment::run(a, &args.common, &mut report),
         Command::Check(a) => check_command(a, &args.common, &mut report),
         Command::Certify(a) => certify_command(a, &args.common, &mut report),
         Command::Export(a) => super::export::run(a, &args.common, &mut report),
@@ -198,7 +197,7 @@ fn options(a: &args::Reconstruct) -> ReconstructOptions {
 }
 
 /// Meshes that no segmentation can help are refused before any work, with the way out.
-fn suitable(report: &Report) -> Result<(), SutureError> {
+pub(super) fn suitable(report: &Report) -> Result<(), SutureError> {
     let Some(input) = &report.input else {
         return Ok(());
     };
@@ -325,45 +324,6 @@ pub(crate) fn summary(report: &Report) -> String {
         line(format!("wrote        {path}"));
     }
     out
-}
-
-fn segment_command(
-    a: &args::Segment,
-    common: &args::Common,
-    report: &mut Report,
-) -> Result<bool, SutureError> {
-    report.settings = settings(a);
-    let mut notices = Vec::new();
-    let mesh = input::mesh(&a.input, a.repair, &mut notices)?;
-    report.warnings.append(&mut notices);
-    report.describe_mesh(&mesh);
-    suitable(report)?;
-    let topology = Topology::build(&mesh)?;
-    let segmentation = input::segmentation(&a.segmentation)?.segment(&mesh, &topology)?;
-    report.surface = Some(suture::report::SurfaceReport {
-        charts: segmentation.charts.len(),
-        corners: segmentation.corners.len(),
-        arcs: segmentation.arcs.len(),
-        ..Default::default()
-    });
-    let labels = write_labels(&segmentation.labels);
-    match &a.output {
-        Some(path) => {
-            output::text(path, &labels)?;
-            report.outputs.push(path.display().to_string());
-        }
-        None => print!("{labels}"),
-    }
-    if !common.quiet && a.output.is_some() {
-        let narrowest = segmentation.arc_widths(&mesh).into_iter().fold(f64::INFINITY, f64::min);
-        println!(
-            "segments     {} charts, {} corners, {} arcs; the shortest arc admits blends of {narrowest:.4} of the diagonal",
-            segmentation.charts.len(),
-            segmentation.corners.len(),
-            segmentation.arcs.len()
-        );
-    }
-    Ok(true)
 }
 
 fn check_command(a: &args::Check, common: &args::Common, report: &mut Report) -> Result<bool, SutureError> {

@@ -11,6 +11,7 @@ mod input;
 mod local;
 mod output;
 mod progress;
+mod segment;
 mod view;
 
 use std::process::ExitCode;
