@@ -17,6 +17,10 @@ impl Segment for Labels {
     fn segment(&self, mesh: &TriMesh, topology: &Topology) -> Result<Segmentation, SegmentError> {
         Segmentation::from_labels(mesh, topology, &self.0)
     }
+
+    fn names_the_mesh(&self) -> bool {
+        true
+    }
 }
 
 /// Reads one non-negative integer per line, in the order of the faces. A byte order mark, blanks around the numbers, CRLF and

@@ -63,4 +63,10 @@ pub trait Segment {
     /// # Errors
     /// [`SegmentError`] when the mesh is open or disconnected, or when the result would break an invariant of [`Segmentation`].
     fn segment(&self, mesh: &TriMesh, topology: &Topology) -> Result<Segmentation, SegmentError>;
+
+    /// Whether it speaks of the faces or vertices of one mesh by their numbers, so that it cannot be asked to segment a finer one. By
+    /// default it does not.
+    fn names_the_mesh(&self) -> bool {
+        false
+    }
 }

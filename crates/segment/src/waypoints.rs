@@ -58,6 +58,10 @@ impl Segment for Waypoints {
         let labels = network.regions()?;
         Segmentation::from_labels_with(mesh, topology, &labels, self.options.limits)
     }
+
+    fn names_the_mesh(&self) -> bool {
+        true
+    }
 }
 
 /// Reads paths: one per line, vertex numbers from 0 separated by blanks or commas; `#` begins a comment, empty lines are skipped.

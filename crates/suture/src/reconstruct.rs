@@ -195,19 +195,26 @@ pub fn reconstruct(
         ));
     }
     let mesh = &TriMesh::new(ironed.positions, mesh.faces.clone());
-    let coarse = clock.run(Stage::Segment, 1, || Ok(stages.segment.segment(mesh, &topology)?))?;
-    let valence = coarse.corners.iter().map(|c| c.arcs.len()).fold(MOST_SEGMENTS, usize::max);
-    let limits = Limits { max_valence: valence };
     let refined = refine_curved(mesh, &options.refinement.resolve(options.widths.wanted * diagonal))?;
-    let mesh = &refined.mesh;
-    let topology = Topology::build(mesh)?;
-    if mesh.faces.len() > original.faces.len() {
-        let (before, after) = (original.faces.len(), mesh.faces.len());
+    if refined.mesh.faces.len() > original.faces.len() {
+        let (before, after) = (original.faces.len(), refined.mesh.faces.len());
         warnings
             .push(format!("{before} triangles were split into {after} where they are coarse for the blends"));
     }
-    let labels: Vec<u32> = refined.parents.iter().map(|&f| coarse.labels[f as usize]).collect();
-    let segmentation = Segmentation::from_labels_with(mesh, &topology, &labels, limits)?;
+    let (coarse, mesh) = (mesh, &refined.mesh);
+    let coarse_topology = topology;
+    let topology = Topology::build(mesh)?;
+    let segmentation = clock.run(Stage::Segment, 1, || {
+        if !stages.segment.names_the_mesh() {
+            return Ok(stages.segment.segment(mesh, &topology)?);
+        }
+        let named = stages.segment.segment(coarse, &coarse_topology)?;
+        let labels: Vec<u32> = refined.parents.iter().map(|&f| named.labels[f as usize]).collect();
+        let limits = Limits { max_valence: usize::MAX };
+        Ok(Segmentation::from_labels_with(mesh, &topology, &labels, limits)?)
+    })?;
+    let valence = segmentation.corners.iter().map(|c| c.arcs.len()).fold(MOST_SEGMENTS, usize::max);
+    let limits = Limits { max_valence: valence };
 
     let pieces = Pieces::new(mesh, &topology, stages, options, limits, watch);
     let mut state = pieces.charted(&mut clock, segmentation)?;
@@ -220,26 +227,40 @@ pub fn reconstruct(
         warnings.push(format!("{parts} segments were split: their charts folded or missed the tolerance"));
     }
     let mut round = 0;
+    // Folding blends are borne at creases, and elsewhere where another segmentation did not help.
+    let mut patience = options.splits.rounds.min(PATIENCE);
     let blend = loop {
         let State { segmentation, charted, .. } = &state;
         let sewn = clock.run(Stage::Blend, 1, || {
-            sew(mesh, &topology, segmentation, charted, stages, options, watch, &mut warnings)
+            let strict = patience > 0;
+            sew(mesh, &topology, segmentation, charted, stages, options, strict, watch, &mut warnings)
         });
         let error = match sewn {
             Ok(blend) => break blend,
             Err(error) => error,
         };
-        if round == options.splits.rounds.min(MOST_RESEWN) {
+        if patience == 0 && round == options.splits.rounds.min(MOST_RESEWN) {
             return Err(error);
         }
         round += 1;
         let before = segmentation.charts.len();
-        state = match pieces.change(&mut clock, state, &blamed(&error))? {
-            Some(state) => state,
-            None => return Err(error),
+        let (blamed, impatient) = match patience {
+            0 => (named(&error), false),
+            _ => (doubtful(&error, mesh, &topology, &state), true),
+        };
+        patience = patience.saturating_sub(1);
+        state = match pieces.change(&mut clock, state, &blamed)? {
+            Ok(state) => state,
+            Err(state) if impatient => {
+                patience = 0;
+                state
+            }
+            Err(_) => return Err(error),
         };
         let after = state.segmentation.charts.len();
-        warnings.push(format!("{before} segments became {after}: {error}"));
+        if after != before {
+            warnings.push(format!("{before} segments became {after}: {error}"));
+        }
     };
     let State { segmentation, charted, .. } = state;
     let tessellation =
@@ -306,8 +327,13 @@ impl Clock<'_> {
 const REDRAWINGS: usize = 10;
 /// Most rounds of changing what cannot be blended: each one sews everything anew.
 const MOST_RESEWN: usize = 6;
+/// Rounds of changing what folds though its maps do not, before that is borne.
+const PATIENCE: usize = 2;
+/// Dihedral angle, in radians, of an arc's edges on the average, from which it lies on a crease, where nothing smooth is as good as wanted.
+const CREASED: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
-/// Blends the charts; arcs along which no width fits are drawn in other ways.
+/// Blends the charts; arcs along which no width fits are drawn in other ways. If it is `strict`, blends that fold though their maps do not
+/// are an error even where no drawing helps.
 fn sew(
     mesh: &TriMesh,
     topology: &Topology,
@@ -315,6 +341,7 @@ fn sew(
     charted: &[Charted],
     stages: &Stages<'_>,
     options: &ReconstructOptions,
+    strict: bool,
     watch: &dyn Watch,
     warnings: &mut Vec<String>,
 ) -> Result<Blend, SutureError> {
@@ -354,7 +381,7 @@ fn sew(
         let mut again = blamed.clone();
         again.retain(|&a| redrawn[a] < REDRAWINGS);
         if again.is_empty() || options.fair == Fairness::Edges {
-            if content {
+            if content || strict {
                 return Err(error.into());
             }
             content = true;
@@ -367,9 +394,37 @@ fn sew(
 }
 
 /// The segments that a failure of the blends names.
-fn blamed(error: &SutureError) -> Vec<usize> {
+fn named(error: &SutureError) -> Vec<usize> {
     match error {
         SutureError::Blend(BlendError::Obstacles { segments, .. }) => segments.clone(),
         _ => Vec::new(),
     }
+}
+
+/// The segments that it names, and of the two beside every other arc concerned the one that is fitted worse; arcs on creases apart.
+fn doubtful(error: &SutureError, mesh: &TriMesh, topology: &Topology, state: &State) -> Vec<usize> {
+    let mut segments = named(error);
+    if let SutureError::Blend(BlendError::Obstacles { arcs, .. }) = error {
+        for arc in arcs.iter().map(|&a| &state.segmentation.arcs[a]) {
+            let sides = [arc.left, arc.right].map(|s| s as usize);
+            if !sides.iter().any(|s| segments.contains(s)) && bend(mesh, topology, &arc.vertices) < CREASED {
+                let off = |s: usize| state.charted[s].fit.report.max;
+                segments.push(if off(sides[0]) >= off(sides[1]) { sides[0] } else { sides[1] });
+            }
+        }
+    }
+    segments.sort_unstable();
+    segments
+}
+
+/// Mean dihedral angle along a chain of edges, by length.
+fn bend(mesh: &TriMesh, topology: &Topology, chain: &[u32]) -> f64 {
+    let (mut sum, mut total) = (0.0, 0.0);
+    for pair in chain.windows(2) {
+        let Some(h) = topology.half_edge(pair[0], pair[1]) else { continue };
+        let length = mesh.positions[pair[0] as usize].distance(mesh.positions[pair[1] as usize]);
+        sum += length * suture_mesh::dihedral_angle(topology, mesh, h).map_or(0.0, f64::abs);
+        total += length;
+    }
+    if total > 0.0 { sum / total } else { 0.0 }
 }

@@ -371,7 +371,8 @@ impl<'a> Map<'a> {
     }
 }
 
-fn smoothed(shape: &Shape, chain: &[u32]) -> f64 {
+/// Length of a chain of vertices without its zigzag.
+pub(super) fn smoothed(shape: &Shape, chain: &[u32]) -> f64 {
     let mut points: Vec<DVec3> = chain.iter().map(|&v| shape.positions[v as usize]).collect();
     smoothed_length(&mut points)
 }

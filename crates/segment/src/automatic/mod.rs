@@ -8,6 +8,7 @@ mod shape;
 mod smooth;
 mod split;
 mod survey;
+mod thin;
 
 pub use split::split_charts;
 use suture_mesh::{Topology, TriMesh};
@@ -20,7 +21,7 @@ use shape::Shape;
 /// Segmentation from the mesh alone: few discs with long arcs, borders on creases where there are any.
 ///
 /// A fine partition into Voronoi cells is merged greedily (flat parts first), arcs that are too short are merged away, and then
-/// borders are smoothed and corners moved in turn. Every step keeps the invariants of [`Segmentation`], so that the result is
+/// borders are smoothed and corners moved in turn. Charts too narrow for blends are given to their neighbours. Every step keeps the invariants of [`Segmentation`], so that the result is
 /// valid whenever the start was. Deterministic, independent of threads, and invariant under scaling and moving by powers of two.
 ///
 /// Not guaranteed: that every arc is long enough for strips (see [`Segmentation::arc_widths`]), and that every chart can be
@@ -89,7 +90,8 @@ impl Segment for Automatic {
         }
         map.lower_valence(max_valence);
         map.lengthen(0.008);
-        let mut now = Segmentation::from_labels_with(mesh, topology, &map.labels(), any)?;
+        let now = Segmentation::from_labels_with(mesh, topology, &map.labels(), any)?;
+        let mut now = thin::absorb_thin(&shape, now, any);
         for round in 0..self.options.rounds {
             let charts = now.charts.len();
             let mut labels = smooth::smooth_borders(&shape, now.labels, charts, max_valence)?;
@@ -106,6 +108,7 @@ impl Segment for Automatic {
         // What became too short for any blend is merged away.
         let mut map = Map::new(&shape, flatten, &settled);
         map.lengthen(0.012);
-        Segmentation::from_labels_with(mesh, topology, &map.labels(), self.options.limits)
+        let long = Segmentation::from_labels_with(mesh, topology, &map.labels(), self.options.limits)?;
+        Ok(thin::absorb_thin(&shape, long, self.options.limits))
     }
 }
