@@ -267,6 +267,48 @@ fn collars_stop_at_sharp_edges_and_pass_beside_them() {
 }
 
 #[test]
+fn collars_cross_creases_that_are_short() {
+    let mesh = ridge();
+    let topology = Topology::build(&mesh).unwrap();
+    let segment: Vec<u32> = (0..10).flat_map(|j| [2 * (j * 10), 2 * (j * 10) + 1]).collect();
+    let cut = |sharp: f64, shortest: f64| {
+        let options = CollarOptions { max_rings: 9, sharp, shortest, ..CollarOptions::default() };
+        disc_with_collar(&mesh, &topology, &segment, &options).unwrap()
+    };
+    // The ridge is sharp over some four of the ten units.
+    let angle = 25f64.to_radians();
+    let (stopped, crossing) = (cut(angle, 0.0), cut(std::f64::consts::PI, 0.0));
+    assert_ne!(stopped, crossing);
+    assert_eq!(cut(angle, 2.0), stopped);
+    assert_eq!(cut(angle, 6.0), crossing);
+}
+
+#[test]
+fn collars_end_where_they_grow_too_much() {
+    // Spikes all over: a collar goes around each on either side and unfolds like a tree.
+    let spike = |x: f64, y: f64| if x % 5.0 == 2.0 && y % 5.0 == 2.0 { 1.0 } else { 0.0 };
+    let mesh = grid(30, 30, |x, y| DVec3::new(x, y, spike(x, y)));
+    let topology = Topology::build(&mesh).unwrap();
+    let middle = 2 * (15 * 30 + 14);
+    let cut = |growth: f64, max_rings: usize| {
+        let options = CollarOptions { growth, max_rings, ..CollarOptions::default() };
+        disc_with_collar(&mesh, &topology, &[middle], &options).unwrap()
+    };
+    let whole = cut(f64::INFINITY, 12);
+    let part = cut(2.0, 12);
+    assert!(part.rings < whole.rings, "{} {}", part.rings, whole.rings);
+    assert_eq!(cut(f64::INFINITY, part.rings), part, "the rings up to there are the same");
+    assert!(whole.faces.len() > mesh.faces.len());
+    // Nothing on a sphere grows more than in the plane.
+    let ball = suture_mesh::shapes::sphere(3);
+    let topology = Topology::build(&ball).unwrap();
+    let cut = |growth: f64| {
+        disc_with_collar(&ball, &topology, &[0], &CollarOptions { growth, max_rings: 8, ..smooth() }).unwrap()
+    };
+    assert_eq!(cut(1.2), cut(f64::INFINITY));
+}
+
+#[test]
 fn what_is_not_a_disc_is_refused() {
     let mesh = torus(8, 6);
     let topology = Topology::build(&mesh).unwrap();
@@ -282,6 +324,8 @@ fn what_is_not_a_disc_is_refused() {
     for (option, options) in [
         ("width", CollarOptions { width: f64::NAN, ..smooth() }),
         ("sharp", CollarOptions { sharp: 4.0, ..smooth() }),
+        ("shortest", CollarOptions { shortest: -1.0, ..smooth() }),
+        ("growth", CollarOptions { growth: 0.5, ..smooth() }),
     ] {
         let error = disc_with_collar(&mesh, &topology, &[0], &options).unwrap_err();
         assert!(matches!(error, ParamError::Option { option: o, .. } if o == option));

@@ -248,15 +248,12 @@ pub fn reconstruct(
             0 => (named(&error), false),
             _ => (doubtful(&error, mesh, &topology, &state), true),
         };
-        patience = patience.saturating_sub(1);
-        state = match pieces.change(&mut clock, state, &blamed)? {
-            Ok(state) => state,
-            Err(state) if impatient => {
-                patience = 0;
-                state
-            }
-            Err(_) => return Err(error),
-        };
+        let changed;
+        (state, changed) = pieces.change(&mut clock, state, &blamed)?;
+        if !changed && !impatient {
+            return Err(error);
+        }
+        patience = if changed { patience.saturating_sub(1) } else { 0 };
         let after = state.segmentation.charts.len();
         if after != before {
             warnings.push(format!("{before} segments became {after}: {error}"));

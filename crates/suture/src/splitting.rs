@@ -101,13 +101,13 @@ impl<'a> Pieces<'a> {
     }
 
     /// Another segmentation where segments cannot be blended: splits that left parts which cannot be fitted are undone, other
-    /// segments are split. What there was where nothing is left to change.
+    /// segments are split. The same, and `false`, where nothing is left to change.
     pub(crate) fn change(
         &self,
         clock: &mut Clock<'_>,
         mut state: State,
         blamed: &[usize],
-    ) -> Result<Result<State, State>, SutureError> {
+    ) -> Result<(State, bool), SutureError> {
         let count = state.segmentation.charts.len();
         let tolerance = self.options.splits.tolerance.unwrap_or(f64::INFINITY);
         let (mut labels, mut merged) = (state.segmentation.labels.clone(), Vec::new());
@@ -138,7 +138,7 @@ impl<'a> Pieces<'a> {
             Segmentation::from_labels_with(self.mesh, self.topology, &labels, self.limits)?
         };
         if merged.is_empty() && next.charts.len() == count {
-            return Ok(Err(state));
+            return Ok((state, false));
         }
         let State { segmentation, charted, most, mut splits, resists, undone } = state;
         merged.sort_unstable();
@@ -146,7 +146,7 @@ impl<'a> Pieces<'a> {
         let mut pool = pool(&segmentation, charted);
         let known = next.charts.iter().map(|c| pool.remove(&c.faces)).collect();
         let charted = self.chart_all(clock, &next, known)?;
-        Ok(Ok(State { segmentation: next, charted, most, splits, resists, undone }))
+        Ok((State { segmentation: next, charted, most, splits, resists, undone }, true))
     }
 
     fn chart_all(

@@ -71,6 +71,42 @@ fn meshes_are_viewed_with_their_segments() {
 }
 
 #[test]
+fn segments_leave_as_labels_colours_and_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, labels) = (data("l_shape.obj"), data("l_shape.labels"));
+    let args = [
+        "segment", &mesh, "--labels", &labels, "-o", "s.labels", "-o", "s.ply", "-o", "s.html", "--json",
+        "r.json",
+    ];
+    let out = suture(&args, folder.path());
+    assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+    page(folder.path(), "s.html");
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(String::from_utf8(read("s.labels")).unwrap(), std::fs::read_to_string(&labels).unwrap());
+    let report: serde_json::Value = serde_json::from_slice(&read("r.json")).unwrap();
+    let list = |key: &str| report["segments"][key].as_array().unwrap().clone();
+    let (charts, corners, arcs) = (list("charts"), list("corners"), list("arcs"));
+    assert_eq!((charts.len(), corners.len(), arcs.len()), (12, 16, 26));
+    let sum = |key: &str| charts.iter().map(|c| c[key].as_f64().unwrap()).sum::<f64>();
+    assert!((sum("area") - 1.0).abs() < 1e-12 && sum("faces") == 448.0);
+    // Every arc lies beside two charts.
+    let around: f64 = arcs.iter().map(|a| a["length"].as_f64().unwrap()).sum();
+    assert!((sum("circumference") - 2.0 * around).abs() < 1e-9);
+    assert!(
+        charts
+            .iter()
+            .all(|c| c["flattening"]["flips"] == 0 && c["flattening"]["area_ratio"].as_f64().unwrap() >= 1.0)
+    );
+    // The coloured mesh is the mesh, and its neighbours differ.
+    let ply = suture::mesh::io::read(folder.path().join("s.ply")).unwrap().mesh;
+    assert_eq!(ply.faces.len(), 448);
+    assert!(String::from_utf8_lossy(&read("s.ply")[..400]).contains("property uchar red"));
+    let out = suture(&["segment", &mesh, "--labels", &labels, "-o", "s.step"], folder.path());
+    assert_eq!(out.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&out.stderr).contains("coloured mesh (.ply)"));
+}
+
+#[test]
 fn methods_are_compared_on_one_page() {
     let folder = tempfile::tempdir().unwrap();
     let mesh = data("deformed_octahedron.obj");

@@ -65,6 +65,9 @@ impl std::fmt::Debug for Automatic {
     }
 }
 
+/// Charts thinner than this part of the diagonal are given to neighbours: blends that are pleasant to look at are not narrower either.
+const THINNEST: f64 = 0.008;
+
 impl Segment for Automatic {
     /// # Errors
     /// [`MeshMismatch`](SegmentError::MeshMismatch), [`Open`](SegmentError::Open), [`Disconnected`](SegmentError::Disconnected),
@@ -91,7 +94,7 @@ impl Segment for Automatic {
         map.lower_valence(max_valence);
         map.lengthen(0.008);
         let now = Segmentation::from_labels_with(mesh, topology, &map.labels(), any)?;
-        let mut now = thin::absorb_thin(&shape, now, any);
+        let mut now = thin::absorb_thin(&shape, now, any, THINNEST);
         for round in 0..self.options.rounds {
             let charts = now.charts.len();
             let mut labels = smooth::smooth_borders(&shape, now.labels, charts, max_valence)?;
@@ -109,6 +112,6 @@ impl Segment for Automatic {
         let mut map = Map::new(&shape, flatten, &settled);
         map.lengthen(0.012);
         let long = Segmentation::from_labels_with(mesh, topology, &map.labels(), self.options.limits)?;
-        Ok(thin::absorb_thin(&shape, long, self.options.limits))
+        Ok(thin::absorb_thin(&shape, long, self.options.limits, THINNEST))
     }
 }

@@ -6,15 +6,17 @@ use super::merge::smoothed;
 use super::shape::Shape;
 use crate::{Limits, Segmentation};
 
-/// Thickness, in diagonals, below which a chart is given to a neighbour: blends that are pleasant to look at are not narrower either.
-const THINNEST: f64 = 0.008;
-
-/// Gives charts that are too narrow to the neighbours with the longest borders, as long as a partition remains. Narrow charts beside each
-/// other go together: alone, one would leave the other with two corners.
-pub(super) fn absorb_thin(shape: &Shape<'_>, mut now: Segmentation, limits: Limits) -> Segmentation {
+/// Gives charts thinner than `least` diagonals (area over half the circumference) to the neighbours with the longest borders, as long as a
+/// partition remains. Thin charts beside each other go together: alone, one may leave the other with two corners.
+pub(super) fn absorb_thin(
+    shape: &Shape<'_>,
+    mut now: Segmentation,
+    limits: Limits,
+    least: f64,
+) -> Segmentation {
     'again: loop {
         let lengths: Vec<f64> = now.arcs.iter().map(|arc| smoothed(shape, &arc.vertices)).collect();
-        for group in thin_groups(shape, &now, &lengths) {
+        for group in thin_groups(shape, &now, &lengths, least) {
             for neighbour in neighbours(&now, &group, &lengths) {
                 let mut labels = now.labels.clone();
                 labels.iter_mut().filter(|l| group.contains(l)).for_each(|l| *l = neighbour);
@@ -29,14 +31,14 @@ pub(super) fn absorb_thin(shape: &Shape<'_>, mut now: Segmentation, limits: Limi
     }
 }
 
-/// Charts whose area is less than half their circumference times [`THINNEST`], those that are neighbours together.
-fn thin_groups(shape: &Shape<'_>, now: &Segmentation, lengths: &[f64]) -> Vec<Vec<u32>> {
+/// Charts thinner than `least`, those that are neighbours together.
+fn thin_groups(shape: &Shape<'_>, now: &Segmentation, lengths: &[f64], least: f64) -> Vec<Vec<u32>> {
     let thin: Vec<bool> = now
         .charts
         .iter()
         .map(|chart| {
             let area: f64 = chart.faces.iter().map(|&f| shape.areas[f as usize]).sum();
-            2.0 * area < THINNEST * chart.arcs.iter().map(|end| lengths[end.arc]).sum::<f64>()
+            2.0 * area < least * chart.arcs.iter().map(|end| lengths[end.arc]).sum::<f64>()
         })
         .collect();
     let mut groups: Vec<Vec<u32>> = Vec::new();
@@ -77,4 +79,38 @@ fn neighbours(now: &Segmentation, group: &[u32], lengths: &[f64]) -> Vec<u32> {
     let mut all: Vec<(u32, f64)> = common.into_iter().collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     all.into_iter().map(|(chart, _)| chart).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use suture_mesh::{Topology, TriMesh, shapes};
+
+    use super::*;
+
+    #[test]
+    fn thin_charts_go_to_a_neighbour_together() {
+        let mesh = shapes::cuboid(glam::DVec3::ONE, 10);
+        let topology = Topology::build(&mesh).unwrap();
+        let centre = |m: &TriMesh, f: usize| m.corners(f).into_iter().sum::<glam::DVec3>() / 3.0;
+        let low = (0..mesh.faces.len()).map(|f| centre(&mesh, f).min_element()).fold(f64::INFINITY, f64::min);
+        // The six sides, and a row along an edge of one of them in two halves.
+        let labels: Vec<u32> = (0..mesh.faces.len())
+            .map(|f| {
+                let (n, c) = (mesh.area_vector(f).normalize(), centre(&mesh, f));
+                let side = (0..6).find(|&k| n[k / 2] * if k % 2 == 0 { 1.0 } else { -1.0 } > 0.5).unwrap();
+                match (side, c.y < low + 0.1, c.z < low + 0.5) {
+                    (0, true, false) => 6,
+                    (0, true, true) => 7,
+                    _ => side as u32,
+                }
+            })
+            .collect();
+        let limits = Limits::default();
+        let before = Segmentation::from_labels_with(&mesh, &topology, &labels, limits).unwrap();
+        assert_eq!(before.charts.len(), 8);
+        let shape = Shape::new(&mesh, &topology).unwrap();
+        assert_eq!(absorb_thin(&shape, before.clone(), limits, 0.01).charts.len(), 8);
+        let after = absorb_thin(&shape, before, limits, 0.06);
+        assert_eq!((after.charts.len(), after.corners.len(), after.arcs.len()), (6, 8, 12));
+    }
 }
