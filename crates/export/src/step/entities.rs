@@ -62,7 +62,7 @@ pub(crate) fn file(brep: &Brep, about: &About<'_>) -> String {
                     .iter()
                     .map(|(f, p)| {
                         let line = pcurve(&mut s, p);
-                        let whole = s.add(format_args!("DEFINITIONAL_REPRESENTATION('',({line}),{plane})"));
+                        let whole = s.share(format!("DEFINITIONAL_REPRESENTATION('',({line}),{plane})"));
                         s.add(format_args!("PCURVE('',{},{whole})", surfaces[*f]))
                     })
                     .collect();
@@ -186,10 +186,12 @@ fn b_spline<T: Vector>(s: &mut Section, curve: &BSplineCurve<T>, net: &[Id]) -> 
 fn pcurve(s: &mut Section, pcurve: &Pcurve) -> Id {
     match pcurve {
         Pcurve::Line { origin, direction: d } => {
-            let origin = s.point(&origin.to_array());
-            let d = direction(s, &d.to_array());
-            let d = s.add(format_args!("VECTOR('',{d},1.)"));
-            s.add(format_args!("LINE('',{origin},{d})"))
+            // The sides of blocks lie on few lines.
+            let [origin, d] = [origin, d].map(|x| list(&x.to_array(), |&x| Real(x)));
+            let origin = s.share(format!("CARTESIAN_POINT('',{origin})"));
+            let d = s.share(format!("DIRECTION('',{d})"));
+            let d = s.share(format!("VECTOR('',{d},1.)"));
+            s.share(format!("LINE('',{origin},{d})"))
         }
         Pcurve::Spline(curve) => {
             let net: Vec<Id> = curve.net().iter().map(|p| s.point(&p.to_array())).collect();

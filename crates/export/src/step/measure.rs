@@ -5,7 +5,7 @@ use suture_bernstein::{BSplineSurface, Jet2};
 use suture_surface::Surface;
 
 use super::brep::{Brep, Geometry};
-use super::layout::{Block, Interval, Layout};
+use super::layout::{Block, Interval, Layout, LayoutEdge, Use};
 
 /// Curvature below which a jump is not related to the curvature itself, times the diagonal.
 const FLAT: f64 = 0.1;
@@ -15,6 +15,9 @@ const PLACES: [f64; 4] = [0.12, 0.38, 0.62, 0.88];
 
 /// Samples of edges on which no node is known.
 const SAMPLES: usize = 32;
+
+/// Steps towards a place where the curvature along an edge changes its sign.
+const STEPS: usize = 4;
 
 /// Errors along an edge.
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,60 +63,108 @@ pub(crate) fn edge(
         .collect();
     let first = plan.joints[0];
     let last = plan.joints[plan.joints.len() - 1];
+    // The errors at a parameter, and the larger curvature there with its sign.
     let at = |t: f64| {
         let t = t.clamp(first, last);
         let on_curve = edge.curve.point(t);
         let jets: Vec<(Jet2, f64)> = coedges.iter().map(|(s, p, sign)| (s.jet(p.point(t)), *sign)).collect();
         let gap = jets.iter().map(|(j, _)| j.p.distance(on_curve)).fold(0.0, f64::max);
-        let mut jump = Jump { gap, ..Jump::default() };
+        let (mut jump, mut bend) = (Jump { gap, ..Jump::default() }, f64::NAN);
         if let [(a, s), (b, r)] = &jets[..] {
             jump.gap = jump.gap.max(a.p.distance(b.p));
-            if let Some((angle, relative)) = across(a, b, s * r, diagonal) {
-                (jump.angle, jump.curvature) = (angle, relative);
+            if let Some((angle, relative, larger)) = across(a, b, s * r, diagonal) {
+                (jump.angle, jump.curvature, bend) = (angle, relative, larger);
             }
         }
-        jump
+        (jump, bend)
     };
-    let mut found = Vec::new();
+    let mut found: Vec<(Option<Interval>, Jump)> = Vec::new();
+    let mut bends: Vec<(f64, f64)> = Vec::new();
     for (span, ruler) in plan.joints.windows(2).zip(&plan.rulers) {
         let span = [span[0], span[1]];
         match ruler {
             Some(ruler) => found.extend(ruler.intervals(&layout.classes, span).into_iter().map(|i| {
                 let [a, b] = i.ends;
-                let jump = PLACES.map(|p| at(a + (b - a) * p)).into_iter().fold(Jump::default(), Jump::max);
-                (Some(i), jump)
+                let jumps = PLACES.map(|p| {
+                    let t = a + (b - a) * p;
+                    let (jump, bend) = at(t);
+                    bends.push((t, bend));
+                    jump
+                });
+                (Some(i), jumps.into_iter().fold(Jump::default(), Jump::max))
             })),
             None => {
                 let inner = (0..SAMPLES).map(|i| (i as f64 + 0.5) / SAMPLES as f64);
-                let jumps = inner.map(|x| at(span[0] + (span[1] - span[0]) * x));
+                let jumps = inner.map(|x| at(span[0] + (span[1] - span[0]) * x).0);
                 found.push((None, jumps.fold(Jump::default(), Jump::max)));
             }
         }
+        let mut add = |t: f64, jump: Jump| {
+            let mut owners = found.iter_mut().rev();
+            let owner = owners.find(|(i, _)| i.is_none_or(|i| i.ends[0] <= t && t <= i.ends[1]));
+            if let Some((_, worst)) = owner {
+                *worst = worst.max(jump);
+            }
+        };
         // Where knot lines end on corners, the worst may be close to them.
         for x in [1e-6, 1e-4, 1e-3, 1e-2] {
             for x in [x, 1.0 - x] {
                 let t = span[0] + (span[1] - span[0]) * x;
-                let jump = at(t);
-                let owner =
-                    found.iter_mut().rev().find(|(i, _)| i.is_none_or(|i| i.ends[0] <= t && t <= i.ends[1]));
-                if let Some((_, worst)) = owner {
-                    *worst = worst.max(jump);
+                add(t, at(t).0);
+            }
+        }
+        // Relative to a curvature that is about to vanish, jumps are largest.
+        for pair in bends.windows(2) {
+            let [mut low, mut high] = [pair[0], pair[1]];
+            for _ in 0..STEPS {
+                // Not so for curvatures that are not known.
+                if !(low.1 * high.1 < 0.0) {
+                    break;
+                }
+                let t = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1));
+                let (jump, bend) = at(t);
+                add(t, jump);
+                if bend * low.1 > 0.0 {
+                    low = (t, bend);
+                } else {
+                    high = (t, bend);
                 }
             }
         }
+        bends.clear();
     }
     found
 }
 
-/// Angle and relative jump of curvature between two surfaces at one point; `sign` is −1 where their orientations disagree.
-fn across(a: &Jet2, b: &Jet2, sign: f64, diagonal: f64) -> Option<(f64, f64)> {
+/// How the patches themselves join along an edge between two blocks; no jumps elsewhere.
+pub(crate) fn natural(surface: &Surface, layout: &Layout, edge: &LayoutEdge, diagonal: f64) -> Jump {
+    let [Use::Block { .. }, Use::Block { .. }] = &edge.uses[..] else { return Jump::default() };
+    let at = |x: f64| {
+        let mut sides = edge.uses.iter().filter_map(|one| {
+            let Use::Block { block, side, ends } = one else { return None };
+            let (block, s) = (&layout.blocks[*block], ends[0] + (ends[1] - ends[0]) * x);
+            let at = block.on_side(*side, s);
+            let (_, flipped) = layout.shells[block.pieces[0].patch];
+            Some((block.jet(surface, block.piece(at.x), at.x, at.y), if flipped { -1.0 } else { 1.0 }))
+        });
+        let ((a, s), (b, r)) = (sides.next()?, sides.next()?);
+        let (angle, curvature, _) = across(&a, &b, s * r, diagonal)?;
+        Some(Jump { gap: a.p.distance(b.p), angle, curvature })
+    };
+    PLACES.into_iter().filter_map(at).fold(Jump::default(), Jump::max)
+}
+
+/// Angle and relative jump of curvature between two surfaces at one point, and the larger curvature of the first with its sign; `sign` is
+/// −1 where their orientations disagree.
+fn across(a: &Jet2, b: &Jet2, sign: f64, diagonal: f64) -> Option<(f64, f64, f64)> {
     let (m, n) = (a.normal()?, b.normal()? * sign);
     let angle = m.cross(n).length().atan2(m.dot(n));
     let x = m.any_orthonormal_vector();
     let y = m.cross(x);
     let (s, t) = (shape(a, m, x, y)?, shape(b, n, x, y)?);
     let (jump, size) = (largest(s - t), largest(s).max(largest(t)));
-    Some((angle, jump / size.max(FLAT / diagonal)))
+    let bend = largest(s) * (s.x_axis.x + s.y_axis.y).signum();
+    Some((angle, jump / size.max(FLAT / diagonal), bend))
 }
 
 /// The shape operator as a matrix in the directions `x` and `y`, which are tangent, or nearly so.

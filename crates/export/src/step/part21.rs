@@ -16,6 +16,8 @@ pub(crate) struct Section {
     last: u32,
     /// Looked up, never iterated.
     points: HashMap<[u64; 3], Id>,
+    /// The same.
+    shared: HashMap<String, Id>,
 }
 
 impl Section {
@@ -25,6 +27,16 @@ impl Section {
         // Writing to a string cannot fail.
         let _ = writeln!(self.text, "#{}={text};", self.last);
         Id(self.last)
+    }
+
+    /// An instance that is not repeated if it is there already.
+    pub(crate) fn share(&mut self, text: String) -> Id {
+        if let Some(&id) = self.shared.get(&text) {
+            return id;
+        }
+        let id = self.add(format_args!("{text}"));
+        self.shared.insert(text, id);
+        id
     }
 
     /// A point of two or three coordinates; one of three that is there already is not repeated.

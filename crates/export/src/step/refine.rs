@@ -14,10 +14,13 @@ use super::{StepOptions, exact, fit, quadric};
 use crate::{ExportError, group};
 
 /// Intervals to begin with on half an edge, and on half an edge of an N-gon.
-const FIRST: [usize; 2] = [1, 2];
+const FIRST: [usize; 2] = [1, 1];
 
 /// Length that no interval falls below, in halves of an edge, for the sake of position, of angles, and of curvatures, which gain the least.
 const LEAST: [f64; 3] = [1.0 / 2048.0, 1.0 / 512.0, 1.0 / 256.0];
+
+/// The same where a jump of curvature is beyond its limit.
+const LEAST_CURVED: f64 = 1.0 / 1024.0;
 
 /// Into how many parts an interval is divided at most, for the sake of each.
 const PARTS: [f64; 3] = [4.0, 3.0, 2.0];
@@ -59,6 +62,8 @@ pub(crate) fn refine(
 ) -> Result<(Brep, Errors), ExportError> {
     let mut layout = Layout::new(surface, FIRST)?;
     let limit = options.tolerance * diagonal;
+    let natural: Vec<Jump> =
+        layout.edges.par_iter().map(|edge| measure::natural(surface, &layout, edge, diagonal)).collect();
     let mut fitted: Vec<Option<BSplineSurface<DVec3>>> = vec![None; layout.blocks.len()];
     let mut deviations = vec![measure::Deviation::default(); layout.blocks.len()];
     for round in 0..=ROUNDS {
@@ -87,7 +92,7 @@ pub(crate) fn refine(
             .map(|e| measure::edge(&brep, &layout, e, diagonal, &uses[e]))
             .collect();
         let errors = worst(&brep, &uses, &deviations, &jumps);
-        let changed = round < ROUNDS && divide(&mut layout, &deviations, &jumps, limit, options);
+        let changed = round < ROUNDS && divide(&mut layout, &deviations, (&jumps, &natural), limit, options);
         if !changed {
             let found = errors.position.max(errors.gap);
             if !(found <= limit) {
@@ -111,7 +116,7 @@ pub(crate) fn refine(
 fn divide(
     layout: &mut Layout,
     deviations: &[measure::Deviation],
-    jumps: &[Vec<(Option<Interval>, Jump)>],
+    (jumps, natural): (&[Vec<(Option<Interval>, Jump)>], &[Jump]),
     limit: f64,
     options: &StepOptions,
 ) -> bool {
@@ -135,11 +140,17 @@ fn divide(
             }
         }
     }
-    for &(at, jump) in jumps.iter().flatten() {
-        if let Some(at) = at {
+    for (edge, natural) in jumps.iter().zip(natural) {
+        for &(at, jump) in edge {
+            let Some(at) = at else { continue };
             ask(at, 0, jump.gap, limit);
-            ask(at, 1, jump.angle, options.angle);
-            ask(at, 2, jump.curvature, options.curvature);
+            // No nodes cure what the patches themselves have.
+            if natural.angle <= options.angle {
+                ask(at, 1, jump.angle, options.angle);
+            }
+            if natural.curvature <= options.curvature {
+                ask(at, 2, jump.curvature, options.curvature);
+            }
         }
     }
     let mut changed = false;
@@ -147,7 +158,10 @@ fn divide(
         let parts = |worst: f64| -> Vec<usize> {
             let one = |(i, over): (usize, &[f64; 3])| {
                 let of = |kind: usize| {
-                    let possible = (class.length(i) / LEAST[kind]).floor().min(PARTS[kind]);
+                    // Where knot lines cross, curvatures gain little: the shortest intervals are for places that fail without.
+                    let fails = kind == 2 && over[2] * SAFETY[2] > 1.0;
+                    let least = if fails { LEAST_CURVED } else { LEAST[kind] };
+                    let possible = (class.length(i) / least).floor().min(PARTS[kind]);
                     if over[kind] <= 1.0 || possible < 2.0 || (kind == 2 && over[2] > worst) {
                         return 1;
                     }
