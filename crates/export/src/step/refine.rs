@@ -92,7 +92,7 @@ pub(crate) fn refine(
             .map(|e| measure::edge(&brep, &layout, e, diagonal, &uses[e]))
             .collect();
         let errors = worst(&brep, &uses, &deviations, &jumps);
-        let changed = round < ROUNDS && divide(&mut layout, &deviations, (&jumps, &natural), limit, options);
+        let changed = round < ROUNDS && divide(&mut layout, &deviations, &jumps, &natural, limit, options);
         if !changed {
             let found = errors.position.max(errors.gap);
             if !(found <= limit) {
@@ -116,7 +116,8 @@ pub(crate) fn refine(
 fn divide(
     layout: &mut Layout,
     deviations: &[measure::Deviation],
-    (jumps, natural): (&[Vec<(Option<Interval>, Jump)>], &[Jump]),
+    jumps: &[Vec<(Option<Interval>, Jump)>],
+    natural: &[Jump],
     limit: f64,
     options: &StepOptions,
 ) -> bool {
