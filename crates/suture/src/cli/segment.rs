@@ -20,7 +20,8 @@ pub(crate) struct Segment {
     #[serde(skip)]
     pub(crate) input: PathBuf,
     /// Where to write: labels, one per face and line (.labels, .txt; to standard output without this), the mesh with coloured
-    /// segments (.ply) or a page that shows them (.html); may be repeated
+    /// segments (.ply) or a page that shows them (.html); may be repeated. Labels belong to the faces of the file; `reconstruct` without
+    /// labels segments the mesh after it was refined, and may find other borders
     #[arg(long, short, value_name = "FILE")]
     #[serde(skip)]
     output: Vec<PathBuf>,
