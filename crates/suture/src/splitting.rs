@@ -117,7 +117,8 @@ impl<'a> Pieces<'a> {
                 let other = if a == faces(s) { b } else { Some(a).filter(|_| b == faces(s))? };
                 (0..count).find(|&t| faces(t) == other).map(|t| (k, t))
             });
-            let Some((k, t)) = sibling else { continue };
+            // Both parts may be blamed.
+            let Some((k, t)) = sibling.filter(|(k, _)| !merged.contains(k)) else { continue };
             let mut trial = labels.clone();
             trial.iter_mut().filter(|l| **l == t as u32).for_each(|l| *l = s as u32);
             // Other splits may have made the whole one that meets itself.
