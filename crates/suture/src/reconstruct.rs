@@ -227,8 +227,8 @@ pub fn reconstruct(
         warnings.push(format!("{parts} segments were split: their charts folded or missed the tolerance"));
     }
     let mut round = 0;
-    // Folding blends are borne at creases, and elsewhere where another segmentation did not help.
-    let mut patience = options.splits.rounds.min(PATIENCE);
+    // Folding blends are borne at creases, between segments that somebody chose, and elsewhere where another segmentation did not help.
+    let mut patience = if stages.segment.names_the_mesh() { 0 } else { options.splits.rounds.min(PATIENCE) };
     let blend = loop {
         let State { segmentation, charted, .. } = &state;
         let sewn = clock.run(Stage::Blend, 1, || {
