@@ -81,70 +81,63 @@ impl<'a> Fairing<'a> {
     /// When the chain has fewer than two vertices or does not belong to the mesh.
     pub fn arc(&self, chain: &[u32], options: &FairOptions) -> Vec<MeshPoint> {
         let Self { mesh, topology, edge } = *self;
-        draw(mesh, topology, edge, chain, options)
-    }
-}
-
-fn draw(
-    mesh: &TriMesh,
-    topology: &Topology,
-    edge: f64,
-    chain: &[u32],
-    options: &FairOptions,
-) -> Vec<MeshPoint> {
-    let position = |v: u32| mesh.positions[v as usize];
-    let mut lengths = vec![0.0];
-    for w in chain.windows(2) {
-        lengths.push(lengths[lengths.len() - 1] + position(w[0]).distance(position(w[1])));
-    }
-    let total = lengths[lengths.len() - 1];
-    let count = if edge > 0.0 { ((2.0 * total / edge).ceil() as usize).clamp(8, 100_000) } else { 8 };
-    let step = total / count as f64;
-
-    let creased = creased(mesh, topology, chain, options.crease);
-
-    let mut start: Vec<(DVec3, u32, f64)> = Vec::with_capacity(count + 1);
-    for i in 0..=count {
-        let at = total * i as f64 / count as f64;
-        let k = lengths.partition_point(|&l| l <= at).clamp(1, chain.len() - 1);
-        let w = ((at - lengths[k - 1]) / (lengths[k] - lengths[k - 1])).clamp(0.0, 1.0);
-        let p = position(chain[k - 1]) * (1.0 - w) + position(chain[k]) * w;
-        let face = topology.half_edge(chain[k - 1], chain[k]).map_or(0, |h| h / 3);
-        start.push((p, face, if creased[k - 1] { HOLD } else { 1.0 }));
-    }
-    // The ends stay: the two outermost unknowns are fixed by their weight.
-    start[0].2 = 1e12;
-    start[count].2 = 1e12;
-
-    // |p − q|² + μ |D²p|² damps a wave of length λ by 1/(1 + μ (2π h/λ)⁴): one half at the cutoff.
-    let cutoff = options.cutoff * edge.max(step);
-    let mu = (cutoff / (std::f64::consts::TAU * step)).powi(4);
-    let weights: Vec<f64> = start.iter().map(|s| s.2).collect();
-    let mut points: Vec<MeshPoint> =
-        start.iter().map(|&(p, face, _)| nearest(mesh, topology, face, p)).collect();
-    for round in 0..ROUNDS {
-        let targets: Vec<DVec3> = if round == 0 {
-            start.iter().map(|s| s.0).collect()
-        } else {
-            points.iter().map(|p| p.position).collect()
-        };
-        // Later rounds only remove what the pulling back added.
-        let mu = if round == 0 { mu } else { mu / 16.0 };
-        let smooth = smooth_line(&targets, &weights, mu);
-        for (point, p) in points.iter_mut().zip(smooth) {
-            *point = nearest(mesh, topology, point.face, p);
+        let position = |v: u32| mesh.positions[v as usize];
+        let mut lengths = vec![0.0];
+        for w in chain.windows(2) {
+            lengths.push(lengths[lengths.len() - 1] + position(w[0]).distance(position(w[1])));
         }
+        let total = lengths[lengths.len() - 1];
+        let count = if edge > 0.0 { ((2.0 * total / edge).ceil() as usize).clamp(8, 100_000) } else { 8 };
+        let step = total / count as f64;
+
+        let creased = creased(mesh, topology, chain, options.crease);
+
+        let mut start: Vec<(DVec3, u32, f64)> = Vec::with_capacity(count + 1);
+        for i in 0..=count {
+            let at = total * i as f64 / count as f64;
+            let k = lengths.partition_point(|&l| l <= at).clamp(1, chain.len() - 1);
+            let w = ((at - lengths[k - 1]) / (lengths[k] - lengths[k - 1])).clamp(0.0, 1.0);
+            let p = position(chain[k - 1]) * (1.0 - w) + position(chain[k]) * w;
+            let face = topology.half_edge(chain[k - 1], chain[k]).map_or(0, |h| h / 3);
+            start.push((p, face, if creased[k - 1] { HOLD } else { 1.0 }));
+        }
+        // The ends stay: the two outermost unknowns are fixed by their weight.
+        start[0].2 = 1e12;
+        start[count].2 = 1e12;
+
+        // |p − q|² + μ |D²p|² damps a wave of length λ by 1/(1 + μ (2π h/λ)⁴): one half at the cutoff.
+        let cutoff = options.cutoff * edge.max(step);
+        let mu = (cutoff / (std::f64::consts::TAU * step)).powi(4);
+        let weights: Vec<f64> = start.iter().map(|s| s.2).collect();
+        let mut points: Vec<MeshPoint> =
+            start.iter().map(|&(p, face, _)| nearest(mesh, topology, face, p)).collect();
+        for round in 0..ROUNDS {
+            let targets: Vec<DVec3> = if round == 0 {
+                start.iter().map(|s| s.0).collect()
+            } else {
+                points.iter().map(|p| p.position).collect()
+            };
+            // Later rounds only remove what the pulling back added.
+            let mu = if round == 0 { mu } else { mu / 16.0 };
+            let smooth = smooth_line(&targets, &weights, mu);
+            for (point, p) in points.iter_mut().zip(smooth) {
+                *point = nearest(mesh, topology, point.face, p);
+            }
+        }
+        let end = |v: u32, near: u32| -> MeshPoint {
+            let face = topology
+                .outgoing(v)
+                .map(|h| topology.face(h))
+                .min_by_key(|&f| (f != near, f))
+                .unwrap_or(near);
+            let barycentric = mesh.faces[face as usize].map(|w| if w == v { 1.0 } else { 0.0 });
+            MeshPoint { face, barycentric, position: position(v) }
+        };
+        points[0] = end(chain[0], points[0].face);
+        points[count] = end(chain[chain.len() - 1], points[count].face);
+        points.dedup_by(|b, a| a.position == b.position);
+        points
     }
-    let end = |v: u32, near: u32| -> MeshPoint {
-        let face =
-            topology.outgoing(v).map(|h| topology.face(h)).min_by_key(|&f| (f != near, f)).unwrap_or(near);
-        let barycentric = mesh.faces[face as usize].map(|w| if w == v { 1.0 } else { 0.0 });
-        MeshPoint { face, barycentric, position: position(v) }
-    };
-    points[0] = end(chain[0], points[0].face);
-    points[count] = end(chain[chain.len() - 1], points[count].face);
-    points.dedup_by(|b, a| a.position == b.position);
-    points
 }
 
 /// Which edges of a chain are part of a crease that it follows: bent by more than `angle`, and the chain runs straight through

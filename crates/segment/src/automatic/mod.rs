@@ -93,8 +93,7 @@ impl Segment for Automatic {
         }
         map.lower_valence(max_valence);
         map.lengthen(0.008);
-        let now = Segmentation::from_labels_with(mesh, topology, &map.labels(), any)?;
-        let mut now = thin::absorb_thin(&shape, now, any, THINNEST);
+        let mut now = Segmentation::from_labels_with(mesh, topology, &map.labels(), any)?;
         for round in 0..self.options.rounds {
             let charts = now.charts.len();
             let mut labels = smooth::smooth_borders(&shape, now.labels, charts, max_valence)?;

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use super::merge::smoothed;
 use super::shape::Shape;
+use super::survey::WANTED;
 use crate::{Limits, Segmentation};
 
 /// Gives charts thinner than `least` diagonals (area over half the circumference) to the neighbours with the longest borders, as long as a
-/// partition remains. Thin charts beside each other go together: alone, one may leave the other with two corners.
+/// partition remains and no arc becomes too short for blends. Thin charts beside each other go together: alone, one may leave the other with two corners.
 pub(super) fn absorb_thin(
     shape: &Shape<'_>,
     mut now: Segmentation,
@@ -20,8 +21,11 @@ pub(super) fn absorb_thin(
             for neighbour in neighbours(&now, &group, &lengths) {
                 let mut labels = now.labels.clone();
                 labels.iter_mut().filter(|l| group.contains(l)).for_each(|l| *l = neighbour);
-                if let Ok(next) = Segmentation::from_labels_with(shape.mesh, shape.topology, &labels, limits)
-                {
+                let Ok(next) = Segmentation::from_labels_with(shape.mesh, shape.topology, &labels, limits)
+                else {
+                    continue;
+                };
+                if narrowest(shape, &next) >= narrowest(shape, &now) {
                     now = next;
                     continue 'again;
                 }
@@ -29,6 +33,11 @@ pub(super) fn absorb_thin(
         }
         return now;
     }
+}
+
+/// The least width that an arc admits, as far as blends would use it.
+fn narrowest(shape: &Shape<'_>, segmentation: &Segmentation) -> f64 {
+    segmentation.arc_widths(shape.mesh).into_iter().fold(WANTED, f64::min)
 }
 
 /// Charts thinner than `least`, those that are neighbours together.
