@@ -13,8 +13,8 @@ use super::measure::{self, Jump};
 use super::{StepOptions, exact, fit, quadric};
 use crate::{ExportError, group};
 
-/// Intervals to begin with on half an edge, and on half an edge of an N-gon.
-const FIRST: [usize; 2] = [1, 1];
+/// Intervals to begin with on half an edge.
+const FIRST: usize = 1;
 
 /// Length that no interval falls below, in halves of an edge, for the sake of position, of angles, and of curvatures, which gain the least.
 const LEAST: [f64; 3] = [1.0 / 2048.0, 1.0 / 512.0, 1.0 / 256.0];

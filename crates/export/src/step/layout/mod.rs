@@ -88,11 +88,11 @@ pub(crate) enum Use {
 }
 
 impl Layout {
-    /// Lays out `surface`, with `intervals` on every half of an edge, the second number where it is one of an N-gon's.
+    /// Lays out `surface`, with `intervals` on every half of an edge.
     ///
     /// # Errors
     /// [`ExportError::StepPatch`] for patches that are neither known nor four-sided nor polygons.
-    pub(crate) fn new(surface: &Surface, intervals: [usize; 2]) -> Result<Self, ExportError> {
+    pub(crate) fn new(surface: &Surface, intervals: usize) -> Result<Self, ExportError> {
         let topology = Topology::new(surface);
         let mut exact = Vec::new();
         let mut face_of = vec![None; surface.patches().len()];

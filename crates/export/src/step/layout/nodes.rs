@@ -149,8 +149,8 @@ pub(crate) struct Halves {
     broken: Vec<bool>,
     /// Class of the first and the second half of every edge.
     number: Vec<[usize; 2]>,
-    /// Whether the class is one of N-gons, by number.
-    of_polygon: Vec<bool>,
+    /// Number of classes.
+    count: usize,
 }
 
 impl Halves {
@@ -185,23 +185,21 @@ impl Halves {
         // Roots, numbered in their order.
         let mut of_root = vec![usize::MAX; 2 * count];
         let mut number = vec![[usize::MAX; 2]; count];
-        let mut of_polygon = Vec::new();
+        let mut classes = 0;
         for e in (0..count).filter(|&e| block(topology.patch_of[e])) {
-            let polygon = matches!(topology.domains[topology.patch_of[e]], Domain::Polygon(_));
-            if polygon {
+            if matches!(topology.domains[topology.patch_of[e]], Domain::Polygon(_)) {
                 broken[edges.root(e)] = true;
             }
             for h in 0..2 {
                 let root = halves.root(2 * e + h);
                 if of_root[root] == usize::MAX {
-                    of_root[root] = of_polygon.len();
-                    of_polygon.push(false);
+                    of_root[root] = classes;
+                    classes += 1;
                 }
                 number[e][h] = of_root[root];
-                of_polygon[of_root[root]] |= polygon;
             }
         }
-        Self { edges, broken, number, of_polygon }
+        Self { edges, broken, number, count: classes }
     }
 
     /// Whether the middle of an edge is a vertex.
@@ -222,9 +220,9 @@ impl Halves {
         Ruler { halves: vec![Half { class, reversed: false }], broken: true }
     }
 
-    /// All classes, with `first[0]` intervals, or `first[1]` where they run through N-gons.
-    pub(crate) fn classes(&self, first: [usize; 2]) -> Vec<Class> {
-        self.of_polygon.iter().map(|&p| Class::new(first[usize::from(p)])).collect()
+    /// All classes, with this many intervals.
+    pub(crate) fn classes(&self, intervals: usize) -> Vec<Class> {
+        vec![Class::new(intervals); self.count]
     }
 }
 
