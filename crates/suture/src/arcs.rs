@@ -71,13 +71,14 @@ struct Located {
 
 impl<'a> Drafts<'a> {
     pub(crate) fn new(
+        fairing: Fairing<'a>,
         mesh: &'a TriMesh,
         topology: &'a Topology,
         segmentation: &'a Segmentation,
         options: &'a ReconstructOptions,
     ) -> Self {
         let count = segmentation.arcs.len();
-        let (fairing, diagonal) = (Fairing::new(mesh, topology), mesh.diagonal());
+        let diagonal = mesh.diagonal();
         let (lines, located) = (vec![BTreeMap::new(); count], vec![None; count]);
         Self { mesh, topology, segmentation, options, fairing, diagonal, lines, located }
     }

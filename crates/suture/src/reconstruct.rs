@@ -11,7 +11,7 @@ use suture_param::{Chart, Parameterize, Recommended};
 use suture_segment::{Automatic, FairOptions, Limits, Segment, Segmentation};
 use suture_tessellate::{Tessellation, TessellationOptions, tessellate};
 
-use crate::arcs::{DRAWINGS, Drafts};
+use crate::arcs::DRAWINGS;
 use crate::charting::Charted;
 use crate::splitting::{Pieces, State};
 use crate::{ByChart, Stage, SutureError, Watch};
@@ -233,7 +233,7 @@ pub fn reconstruct(
         let State { segmentation, charted, .. } = &state;
         let sewn = clock.run(Stage::Blend, 1, || {
             let strict = patience > 0;
-            sew(mesh, &topology, segmentation, charted, stages, options, strict, watch, &mut warnings)
+            sew(&pieces, segmentation, charted, stages, options, strict, watch, &mut warnings)
         });
         let error = match sewn {
             Ok(blend) => break blend,
@@ -332,8 +332,7 @@ const CREASED: f64 = 30.0 * std::f64::consts::PI / 180.0;
 /// Blends the charts; arcs along which no width fits are drawn in other ways. If it is `strict`, blends that fold though their maps do not
 /// are an error even where no drawing helps.
 fn sew(
-    mesh: &TriMesh,
-    topology: &Topology,
+    pieces: &Pieces<'_>,
     segmentation: &Segmentation,
     charted: &[Charted],
     stages: &Stages<'_>,
@@ -342,7 +341,7 @@ fn sew(
     watch: &dyn Watch,
     warnings: &mut Vec<String>,
 ) -> Result<Blend, SutureError> {
-    let mut drafts = Drafts::new(mesh, topology, segmentation, options);
+    let mut drafts = pieces.drafts(segmentation);
     let mut redrawn = vec![0; segmentation.arcs.len()];
     let mut content = false;
     let mut sewing: Option<Sewing<'_>> = None;

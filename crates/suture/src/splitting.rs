@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use suture_blend::Intent;
 use suture_mesh::{Topology, TriMesh};
 use suture_param::CollarOptions;
-use suture_segment::{Limits, Segmentation, split_charts};
+use suture_segment::{Fairing, Limits, Segmentation, split_charts};
 
 use crate::arcs::{Drafts, collar_widths};
 use crate::charting::{Charted, Charting, chart_all};
@@ -35,8 +35,8 @@ pub(crate) struct Pieces<'a> {
     watch: &'a dyn Watch,
     /// Dihedral angle that collars do not cross.
     sharp: f64,
-    /// Median edge length.
-    edge: f64,
+    /// Draws arcs on the mesh.
+    fairing: Fairing<'a>,
 }
 
 /// How many segments splitting may add to few of them; to more it may add as many again.
@@ -55,8 +55,13 @@ impl<'a> Pieces<'a> {
             Intent::Fidelity => CollarOptions::default().sharp,
             Intent::Fillet => std::f64::consts::PI,
         };
-        let edge = suture_mesh::median_edge_length(mesh);
-        Self { mesh, topology, stages, options, limits, watch, sharp, edge }
+        let fairing = Fairing::new(mesh, topology);
+        Self { mesh, topology, stages, options, limits, watch, sharp, fairing }
+    }
+
+    /// The arcs of a segmentation, none drawn yet.
+    pub(crate) fn drafts<'b>(&'b self, segmentation: &'b Segmentation) -> Drafts<'b> {
+        Drafts::new(self.fairing, self.mesh, self.topology, segmentation, self.options)
     }
 
     /// Charts and fits every segment.
@@ -158,8 +163,7 @@ impl<'a> Pieces<'a> {
     ) -> Result<Vec<Charted>, SutureError> {
         let Self { mesh, topology, stages, options, .. } = *self;
         let diagonal = mesh.diagonal();
-        let lines =
-            Drafts::new(mesh, topology, segmentation, options).lines(&vec![0; segmentation.arcs.len()]);
+        let lines = self.drafts(segmentation).lines(&vec![0; segmentation.arcs.len()]);
         let collars =
             collar_widths(mesh, segmentation, &lines, &options.widths, stages.maps.as_ref(), diagonal);
         let context = Charting {
@@ -171,7 +175,7 @@ impl<'a> Pieces<'a> {
             sharp: self.sharp,
             shortest: options.widths.wanted * diagonal,
             diagonal,
-            edge: self.edge,
+            edge: self.fairing.edge(),
         };
         let steps = segmentation.charts.len();
         clock.run(Stage::Fit, steps, || chart_all(&context, known, &collars, self.watch))

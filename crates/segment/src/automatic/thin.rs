@@ -16,6 +16,7 @@ pub(super) fn absorb_thin(
     least: f64,
 ) -> Segmentation {
     'again: loop {
+        let before = narrowest(shape, &now);
         let lengths: Vec<f64> = now.arcs.iter().map(|arc| smoothed(shape, &arc.vertices)).collect();
         for group in thin_groups(shape, &now, &lengths, least) {
             for neighbour in neighbours(&now, &group, &lengths) {
@@ -25,7 +26,7 @@ pub(super) fn absorb_thin(
                 else {
                     continue;
                 };
-                if narrowest(shape, &next) >= narrowest(shape, &now) {
+                if narrowest(shape, &next) >= before {
                     now = next;
                     continue 'again;
                 }
