@@ -31,6 +31,7 @@
 mod check;
 mod edges;
 mod error;
+mod flat;
 pub mod io;
 mod iron;
 mod loops;
@@ -47,6 +48,7 @@ mod tri_mesh;
 
 pub use check::check;
 pub use error::{MeshError, Place};
+pub use flat::turn_flat_edges;
 pub use iron::{IronOptions, Ironed, iron};
 pub use measure::{dihedral_angle, median_edge_length, vertex_normals_area_weighted};
 pub use normals::{EstimateNormals, NormalsError};

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use crate::{Topology, TopologyError, TriMesh};
+use crate::{Topology, TopologyError, TriMesh, turn_flat_edges};
 
 /// When edges are split.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,9 @@ pub struct RefineOptions {
     pub crease: f64,
     /// Rounds of splitting; each halves the edges at most once.
     pub rounds: usize,
+    /// Edges inside planes are turned to Delaunay's before and after every round ([`turn_flat_edges`]): how far a plane may be off, in the units
+    /// of the mesh. `None` leaves edges where they are.
+    pub flat: Option<f64>,
 }
 
 /// A refined mesh.
@@ -30,9 +33,52 @@ pub struct RefineOptions {
 pub struct Refined {
     /// The mesh; its first vertices are those of the input. Without normals.
     pub mesh: TriMesh,
-    /// The face of the input that every face is a part of.
+    /// The face of the input that every face is a part of; where edges were turned, one of the same plane. Every face of the input has a part.
     pub parents: Vec<u32>,
 }
+
+impl Refined {
+    fn turn(&mut self, options: &RefineOptions) -> Result<(), TopologyError> {
+        if let Some(flat) = options.flat {
+            self.mesh = turn_flat_edges(&self.mesh, flat)?;
+        }
+        Ok(())
+    }
+
+    /// For every face of the input a face that its centroid lies in.
+    pub fn holders(&self, input: &TriMesh, topology: &Topology) -> Vec<u32> {
+        let mut holders = vec![0; input.faces.len()];
+        for (f, &parent) in self.parents.iter().enumerate().rev() {
+            holders[parent as usize] = f as u32;
+        }
+        for (f, holder) in holders.iter_mut().enumerate() {
+            let centroid = input.corners(f).into_iter().sum::<DVec3>() / 3.0;
+            for _ in 0..FARTHEST {
+                let Some(next) = self.towards(topology, *holder, centroid) else { break };
+                *holder = next;
+            }
+        }
+        holders
+    }
+
+    /// The face beyond the edge that separates a face most from a point in its plane; `None` in the face that holds it.
+    fn towards(&self, topology: &Topology, face: u32, point: DVec3) -> Option<u32> {
+        let corners = self.mesh.corners(face as usize);
+        let normal = self.mesh.area_vector(face as usize);
+        let inside = |k: usize| {
+            (corners[(k + 1) % 3] - corners[k]).cross(point - corners[k]).dot(normal)
+                / normal.length_squared()
+        };
+        let (k, least) = (0..3).map(|k| (k, inside(k))).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let across = topology.opposite(3 * face + k as u32)? / 3;
+        let flat =
+            self.mesh.area_vector(across as usize).normalize_or_zero().dot(normal.normalize_or_zero()) > 0.99;
+        (least < -1e-9 && flat).then_some(across)
+    }
+}
+
+/// Most faces that the way to a holder may lead over.
+const FARTHEST: usize = 1000;
 
 /// Splits edges that are too long or too curved, with curved midpoints; triangles with two such edges are cut in four, the neighbours
 /// in two, so that the mesh stays closed.
@@ -45,6 +91,7 @@ pub fn refine_curved(mesh: &TriMesh, options: &RefineOptions) -> Result<Refined,
         parents: (0..mesh.faces.len() as u32).collect(),
     };
     for _ in 0..options.rounds {
+        now.turn(options)?;
         let topology = Topology::build(&now.mesh)?;
         let round = Round::new(&now.mesh, &topology, options);
         let marked = round.marked();
@@ -52,6 +99,7 @@ pub fn refine_curved(mesh: &TriMesh, options: &RefineOptions) -> Result<Refined,
             break;
         }
         now = round.split(&now, &marked);
+        now.turn(options)?;
     }
     Ok(now)
 }
@@ -231,7 +279,7 @@ mod tests {
     use crate::{check, shapes};
 
     fn options(longest: f64) -> RefineOptions {
-        RefineOptions { longest, turn: 10.0, shortest: 0.0, crease: 0.9, rounds: 4 }
+        RefineOptions { longest, turn: 10.0, shortest: 0.0, crease: 0.9, rounds: 4, flat: None }
     }
 
     #[test]

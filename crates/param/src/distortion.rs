@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::ParamError;
-use crate::sheet::{flatten, unit};
+use crate::sheet::Sheet;
 
 /// What a flattening may do to still be accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,23 +57,25 @@ impl Distortion {
         uv: &[DVec2],
         limits: &Limits,
     ) -> Result<Self, ParamError> {
-        check_uv(uv, positions.len())?;
-        let boundary = crate::rim::boundary_loop(positions.len(), faces)?;
-        let (x, scale) = unit(positions)?;
-        let flats = flatten(&x, faces);
+        Self::on(&Sheet::new(positions, faces)?, uv, limits)
+    }
+
+    /// The same, of a disc that was laid flat already.
+    pub(crate) fn on(sheet: &Sheet<'_>, uv: &[DVec2], limits: &Limits) -> Result<Self, ParamError> {
+        check_uv(uv, sheet.x.len())?;
         let mut new = Self {
             flips: 0,
             area_ratio: 1.0,
             stretch: 1.0,
             worst_face: 0,
             energy: 4.0,
-            overlaps: overlaps(&x, uv, &boundary),
+            overlaps: overlaps(&sheet.x, uv, &sheet.boundary),
             accepted: false,
         };
         let (mut least, mut greatest, mut worst, mut folded) = (f64::INFINITY, 0f64, 0f64, 0f64);
         let (mut p, mut q, mut total) = (0.0, 0.0, 0.0);
-        for (f, (face, flat)) in faces.iter().zip(&flats).enumerate() {
-            let j = flat.jacobian(face.map(|v| uv[v as usize] / scale));
+        for (f, (face, flat)) in sheet.faces.iter().zip(&sheet.flats).enumerate() {
+            let j = flat.jacobian(face.map(|v| uv[v as usize] / sheet.scale));
             let (det, square) = (j[0].perp_dot(j[1]), j[0].length_squared() + j[1].length_squared());
             if det > 0.0 {
                 least = least.min(det);

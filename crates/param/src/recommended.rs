@@ -37,7 +37,7 @@ impl Parameterize for Recommended {
     /// [`ParamError::Flips`] when even the embedding on a circle flips, which happens to rounding errors only.
     fn parameterize(&self, positions: &[DVec3], faces: &[[u32; 3]]) -> Result<Vec<DVec2>, ParamError> {
         let sheet = Sheet::new(positions, faces)?;
-        let measure = |uv: &[DVec2]| Distortion::measure(positions, faces, uv, &self.limits);
+        let measure = |uv: &[DVec2]| Distortion::on(&sheet, uv, &self.limits);
         let conformal =
             BoundaryScaleOne.parameterize(positions, faces).ok().filter(|uv| flips(&sheet, uv).is_none());
         let mut uv = match conformal {

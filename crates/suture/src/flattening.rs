@@ -18,6 +18,8 @@ pub struct ByChart<P = Recommended> {
 
 /// Rings of collar that are flattened with the union, since blends evaluate there too.
 const RINGS: usize = 1;
+/// Largest quotient of any two area scales: the side of a hole may be a thousandth of a chart that squeezes it by ten thousand.
+const SQUEEZED: f64 = 30.0;
 /// Shares of the area that have smaller and larger scales than the two that are compared.
 const TAIL: f64 = 0.01;
 
@@ -27,7 +29,8 @@ impl<P: Parameterize> Flatten for ByChart<P> {
         let collar = CollarOptions { max_rings: RINGS, ..CollarOptions::default() };
         let disc = disc_with_collar(mesh, topology, faces, &collar).ok()?;
         let chart = Chart::flatten(disc, &self.parameterize, &Limits::default()).ok()?;
-        let sound = chart.distortion.flips == 0 && chart.distortion.overlaps == 0;
+        let distortion = &chart.distortion;
+        let sound = distortion.flips == 0 && distortion.overlaps == 0 && distortion.area_ratio <= SQUEEZED;
         sound.then(|| area_ratio(&chart.disc, &chart.uv))
     }
 }

@@ -75,12 +75,22 @@ pub struct Refinement {
     pub crease: f64,
     /// Most rounds of splitting; 0 takes the mesh as it is.
     pub rounds: usize,
+    /// How far a plane may be off whose edges are turned, relative to the diagonal.
+    pub flat: f64,
 }
 
 impl Default for Refinement {
     fn default() -> Self {
         let (turn, crease) = (40f64.to_radians(), 50f64.to_radians());
-        Self { sharpest: 140f64.to_radians(), longest: 1.0, turn, shortest: 0.15, crease, rounds: 3 }
+        Self {
+            sharpest: 140f64.to_radians(),
+            longest: 1.0,
+            turn,
+            shortest: 0.15,
+            crease,
+            rounds: 3,
+            flat: 2e-6,
+        }
     }
 }
 
@@ -95,13 +105,15 @@ impl Refinement {
         IronOptions { sharpest: self.sharpest, rest: 1.0, sweeps: IRON_SWEEPS }
     }
 
-    fn resolve(&self, width: f64) -> RefineOptions {
+    /// Where segments name faces, these keep their edges.
+    fn resolve(&self, width: f64, diagonal: f64, turns: bool) -> RefineOptions {
         RefineOptions {
             longest: self.longest * width,
             turn: self.turn,
             shortest: self.shortest * width,
             crease: self.crease,
             rounds: self.rounds,
+            flat: turns.then_some(self.flat * diagonal),
         }
     }
 }
@@ -195,7 +207,14 @@ pub fn reconstruct(
         ));
     }
     let mesh = &TriMesh::new(ironed.positions, mesh.faces.clone());
-    let refined = refine_curved(mesh, &options.refinement.resolve(options.widths.wanted * diagonal))?;
+    let refined = refine_curved(
+        mesh,
+        &options.refinement.resolve(
+            options.widths.wanted * diagonal,
+            diagonal,
+            !stages.segment.names_the_mesh(),
+        ),
+    )?;
     if refined.mesh.faces.len() > original.faces.len() {
         let (before, after) = (original.faces.len(), refined.mesh.faces.len());
         warnings
@@ -268,10 +287,8 @@ pub fn reconstruct(
         .run(Stage::Deviation, 1, || Ok(deviation(original, &blend.surface, &samples(&tessellation))?))?;
     let seconds = clock.seconds;
     let (charts, fits) = charted.into_iter().map(|c| (c.chart, c.fit)).unzip();
-    let mut labels = vec![0; original.faces.len()];
-    for (&parent, &label) in refined.parents.iter().zip(&segmentation.labels) {
-        labels[parent as usize] = label;
-    }
+    let holders = refined.holders(original, &topology);
+    let labels = holders.into_iter().map(|f| segmentation.labels[f as usize]).collect();
     Ok(Reconstruction {
         mesh: refined.mesh,
         segmentation,

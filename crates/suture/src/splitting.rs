@@ -96,7 +96,7 @@ impl<'a> Pieces<'a> {
             // The worst first, should there be too many.
             poor.sort_by(|&a, &b| charted[b].badness().total_cmp(&charted[a].badness()).then(a.cmp(&b)));
             poor.truncate(most.saturating_sub(segmentation.charts.len()));
-            let trial = split_charts(self.mesh, self.topology, segmentation, &poor, self.limits)?;
+            let trial = split_charts(self.mesh, self.topology, segmentation, &poor, self.limits, false)?;
             if trial.charts.len() == segmentation.charts.len() {
                 break;
             }
@@ -139,7 +139,7 @@ impl<'a> Pieces<'a> {
             let mut split: Vec<usize> = blamed.to_vec();
             split.retain(|&s| !state.undone.contains(&state.segmentation.charts[s].faces));
             split.truncate(state.most.saturating_sub(count));
-            split_charts(self.mesh, self.topology, &state.segmentation, &split, self.limits)?
+            split_charts(self.mesh, self.topology, &state.segmentation, &split, self.limits, true)?
         } else {
             Segmentation::from_labels_with(self.mesh, self.topology, &labels, self.limits)?
         };

@@ -27,15 +27,45 @@ pub(super) struct Rules {
 impl Rules {
     /// For the greedy phases; flat parts first (0.08), half cylinders last (0.36).
     pub(super) fn cone(cone: f64) -> Self {
-        Self { cone, crease: 0.25, round: None, test_above: 0.15, distortion: 5.0 }
+        Self { cone, crease: CREASED, round: None, test_above: CURVED, distortion: 5.0 }
     }
 
     /// From the strictest to the laxest, for arcs that are too short.
     pub(super) const LADDER: [Self; 3] = [
-        Self { cone: 0.36, crease: 0.25, round: None, test_above: 0.15, distortion: 5.0 },
-        Self { cone: 0.45, crease: 1.0, round: Some(4.0), test_above: 0.15, distortion: 5.0 },
+        Self { cone: 0.36, crease: CREASED, round: None, test_above: CURVED, distortion: 5.0 },
+        Self { cone: 0.45, crease: 1.0, round: Some(4.0), test_above: CURVED, distortion: 5.0 },
         Self { cone: 0.85, crease: 1.0, round: Some(4.0), test_above: 0.0, distortion: 6.0 },
     ];
+}
+
+/// Share of crease in an arc from which it lies on one.
+const CREASED: f64 = 0.25;
+/// Largest distortion that smoothing and moving may give a chart.
+pub(super) const DISTORTED: f64 = 6.0;
+
+/// Length of creases inside a chart, in roots of its area, up to which its cone alone tells whether it is flat: a hole may have small sides in a
+/// large plane.
+const NOTCH: f64 = 0.05;
+/// Cone value up to which a chart without creases inside is flat.
+const CURVED: f64 = 0.15;
+
+/// How the chart of these faces (ascending) is distorted, 1 if it is nearly flat; infinite where it cannot be flattened.
+pub(super) fn distortion(shape: &Shape, flatten: &dyn Flatten, faces: &[u32]) -> f64 {
+    let (mut area, mut normal, mut crease) = (0.0, DVec3::ZERO, 0.0);
+    for &f in faces {
+        area += shape.areas[f as usize];
+        normal += shape.areas[f as usize] * shape.normals[f as usize];
+        for h in 3 * f..3 * f + 3 {
+            let inside = |o: u32| faces.binary_search(&(o / 3)).is_ok();
+            if shape.creases[h as usize] > 0.0 && shape.topology.opposite(h).is_some_and(inside) {
+                crease += 0.5 * shape.lengths[h as usize] * shape.creases[h as usize];
+            }
+        }
+    }
+    if 1.0 - normal.length() / area <= CURVED && crease <= NOTCH * area.sqrt() {
+        return 1.0;
+    }
+    flatten.distortion(shape.mesh, shape.topology, faces).unwrap_or(f64::INFINITY)
 }
 
 /// An arc of the map, with the charts left and right of the walk.
@@ -56,6 +86,8 @@ struct Chart {
     area: f64,
     normal: DVec3,
     moment: DVec3,
+    /// Length of the creases inside.
+    crease: f64,
     version: u32,
 }
 
@@ -111,6 +143,7 @@ impl<'a> Map<'a> {
                     area: 0.0,
                     normal: DVec3::ZERO,
                     moment: DVec3::ZERO,
+                    crease: 0.0,
                     version: 0,
                 };
                 for &f in &chart.faces {
@@ -118,6 +151,12 @@ impl<'a> Map<'a> {
                     new.area += shape.areas[f];
                     new.normal += shape.areas[f] * shape.normals[f];
                     new.moment += shape.areas[f] * shape.centroids[f];
+                    for h in 3 * f..3 * f + 3 {
+                        let inside = |o: u32| segmentation.labels[o as usize / 3] == segmentation.labels[f];
+                        if topology.opposite(h as u32).is_some_and(inside) {
+                            new.crease += 0.5 * shape.lengths[h] * shape.creases[h];
+                        }
+                    }
                 }
                 Some(new)
             })
@@ -201,9 +240,11 @@ impl<'a> Map<'a> {
         false
     }
 
+    /// Width that an arc admits, in what may be wanted of it.
     fn width(&self, arc: usize) -> f64 {
         let arc = &self.arcs[arc];
-        width(arc.smoothed, arc.ends.map(|c| self.corners[c].len()))
+        let (Some(&first), Some(&last)) = (arc.chain.first(), arc.chain.last()) else { return 0.0 };
+        width(arc.smoothed, arc.ends.map(|c| self.corners[c].len())) / self.shape.modesty([first, last])
     }
 
     fn pair(&self, arc: usize) -> Option<(&Chart, &Chart)> {
@@ -289,7 +330,7 @@ impl<'a> Map<'a> {
         if cone > rules.cone || arc.crease > rules.crease * arc.length || compact > round {
             return false;
         }
-        if cone <= rules.test_above {
+        if cone <= rules.test_above && a.crease + b.crease + arc.crease <= NOTCH * area.sqrt() {
             return true;
         }
         let mut faces = [a.faces.as_slice(), &b.faces].concat();
@@ -303,7 +344,7 @@ impl<'a> Map<'a> {
     fn merge(&mut self, arc: usize) -> usize {
         let sides = self.arcs[arc].sides;
         let (kept, gone) = (sides[0].min(sides[1]), sides[0].max(sides[1]));
-        let ends = self.arcs[arc].ends;
+        let (ends, crease) = (self.arcs[arc].ends, self.arcs[arc].crease);
         let Some(other) = self.charts[gone].take() else { return kept };
         for &x in &other.arcs {
             for side in &mut self.arcs[x].sides {
@@ -316,6 +357,7 @@ impl<'a> Map<'a> {
             chart.area += other.area;
             chart.normal += other.normal;
             chart.moment += other.moment;
+            chart.crease += other.crease + crease;
             chart.version += 1;
             chart.faces.extend(other.faces);
             chart.arcs.extend(other.arcs);

@@ -78,7 +78,7 @@ impl Segment for Automatic {
         let Limits { max_valence } = self.options.limits;
         let any = Limits { max_valence: usize::MAX };
         let shape = Shape::new(mesh, topology)?;
-        let flatten: &dyn Flatten = &*self.flatten;
+        let flatten: &(dyn Flatten + Sync) = &*self.flatten;
         let enough = self.options.charts.unwrap_or(0);
 
         let start = Segmentation::from_labels_with(mesh, topology, &cells::cells(&shape)?, any)?;
@@ -96,8 +96,8 @@ impl Segment for Automatic {
         let mut now = Segmentation::from_labels_with(mesh, topology, &map.labels(), any)?;
         for round in 0..self.options.rounds {
             let charts = now.charts.len();
-            let mut labels = smooth::smooth_borders(&shape, now.labels, charts, max_valence)?;
-            moves::move_corners(&shape, &mut labels, charts, max_valence);
+            let mut labels = smooth::smooth_borders(&shape, flatten, now.labels, charts, max_valence)?;
+            moves::move_corners(&shape, flatten, &mut labels, charts, max_valence);
             let moved = Segmentation::from_labels_with(mesh, topology, &labels, any)?;
             let mut map = Map::new(&shape, flatten, &moved);
             map.greedy(Rules::cone(0.36), enough);
@@ -105,12 +105,12 @@ impl Segment for Automatic {
             now = Segmentation::from_labels_with(mesh, topology, &map.labels(), any)?;
         }
         let charts = now.charts.len();
-        let labels = smooth::settle_corners(&shape, now.labels, charts, max_valence)?;
+        let labels = smooth::settle_corners(&shape, flatten, now.labels, charts, max_valence)?;
         let settled = Segmentation::from_labels_with(mesh, topology, &labels, any)?;
         // What became too short for any blend is merged away.
         let mut map = Map::new(&shape, flatten, &settled);
         map.lengthen(0.012);
         let long = Segmentation::from_labels_with(mesh, topology, &map.labels(), self.options.limits)?;
-        Ok(thin::absorb_thin(&shape, long, self.options.limits, THINNEST))
+        Ok(thin::absorb_thin(&shape, flatten, long, self.options.limits, THINNEST))
     }
 }

@@ -3,8 +3,12 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use rayon::prelude::*;
+
+use super::merge::{DISTORTED, distortion};
 use super::shape::{Shape, UNIT};
-use super::survey::{Survey, SurveyArc, Surveyor, WANTED, border};
+use super::survey::{Survey, SurveyArc, Surveyor, border};
+use crate::Flatten;
 use crate::census::is_border;
 use crate::segmentation::reach;
 
@@ -15,16 +19,28 @@ const ATTEMPTS: usize = 240;
 /// Largest number of faces a move looks at.
 const BALL: usize = 20_000;
 
+/// Most candidates for an arc whose charts are flattened.
+const FLATTENED: usize = 4;
+
 /// Lengthens short arcs one by one: for the arc that admits the least width, tries to push its ends outwards, to let other
-/// corners slide, and to exchange the neighbours across it, and keeps the valid result with the least objective. Stops when no
+/// corners slide, and to exchange the neighbours across it, and keeps the valid result with the least objective
+/// whose charts can be flattened. Stops when no
 /// short arc can be improved, after 80 moves or 240 attempts.
-pub(super) fn move_corners(shape: &Shape, labels: &mut Vec<u32>, charts: usize, max_valence: usize) {
+pub(super) fn move_corners(
+    shape: &Shape,
+    flatten: &(dyn Flatten + Sync),
+    labels: &mut Vec<u32>,
+    charts: usize,
+    max_valence: usize,
+) {
     let mut mover = Mover {
         shape,
+        flatten,
         surveyor: Surveyor::new(shape, max_valence),
         charts,
         borders: border(shape, labels),
         labels: std::mem::take(labels),
+        distortions: vec![None; charts],
         listed: vec![false; shape.lengths.len()],
         distance: vec![u64::MAX; shape.areas.len()],
         reached: vec![(u64::MAX, u32::MAX); shape.areas.len()],
@@ -35,10 +51,13 @@ pub(super) fn move_corners(shape: &Shape, labels: &mut Vec<u32>, charts: usize, 
 
 struct Mover<'a> {
     shape: &'a Shape<'a>,
+    flatten: &'a (dyn Flatten + Sync),
     surveyor: Surveyor<'a>,
     charts: usize,
     labels: Vec<u32>,
     borders: Vec<u32>,
+    /// How the charts are distorted, as far as that was asked.
+    distortions: Vec<Option<f64>>,
     /// Scratch: half-edges of the border list.
     listed: Vec<bool>,
     /// Scratch: distance from the centre of the ball.
@@ -59,8 +78,10 @@ impl Mover<'_> {
             let shortest = survey
                 .arcs
                 .iter()
-                .filter(|a| a.width < WANTED && !blocked.contains(&(a.charts, a.ends)))
-                .min_by(|a, b| a.width.total_cmp(&b.width).then(a.ends.cmp(&b.ends)));
+                .filter(|a| a.width < a.wanted && !blocked.contains(&(a.charts, a.ends)))
+                .min_by(|a, b| {
+                    (a.width / a.wanted).total_cmp(&(b.width / b.wanted)).then(a.ends.cmp(&b.ends))
+                });
             let Some(arc) = shortest.cloned() else { return };
             let Some((changes, next)) = self.best_move(&arc, survey.objective) else {
                 blocked.push((arc.charts, arc.ends));
@@ -71,6 +92,7 @@ impl Mover<'_> {
                 changes.iter().flat_map(|&(f, new)| [new, self.labels[f as usize]]).collect();
             // What blocked an arc may be gone when one of its charts changed.
             blocked.retain(|(charts, _)| !charts.iter().any(|r| touched.contains(r)));
+            touched.iter().for_each(|&r| self.distortions[r as usize] = None);
             for (f, new) in changes {
                 self.labels[f as usize] = new;
             }
@@ -79,10 +101,9 @@ impl Mover<'_> {
         }
     }
 
-    /// The best strictly improving valid candidate, the first of equals.
+    /// The best strictly improving valid candidate whose charts can still be flattened, the first of equals.
     fn best_move(&mut self, arc: &SurveyArc, objective: f64) -> Option<(Vec<(u32, u32)>, Survey)> {
-        let mut best: Option<(Vec<(u32, u32)>, Survey)> = None;
-        let mut bound = objective - 1e-9;
+        let mut better: Vec<(Vec<(u32, u32)>, Survey)> = Vec::new();
         let mut tried: Vec<Vec<(u32, u32)>> = Vec::new();
         for (centre, rho, from, to) in self.candidates(arc) {
             let changes = self.grow(centre, rho, &from, &to);
@@ -90,21 +111,47 @@ impl Mover<'_> {
                 continue;
             }
             if let Some(survey) = self.survey_with(&changes)
-                && survey.objective < bound
+                && survey.objective < objective - 1e-9
             {
-                bound = survey.objective - 1e-12;
-                best = Some((changes.clone(), survey));
+                better.push((changes.clone(), survey));
             }
             tried.push(changes);
         }
-        best
+        better.sort_by(|(_, a), (_, b)| a.objective.total_cmp(&b.objective));
+        better.truncate(FLATTENED);
+        better.into_iter().find(|(changes, _)| self.keeps_flat(changes))
+    }
+
+    /// Whether the charts concerned can be flattened, or are no worse than before.
+    fn keeps_flat(&mut self, changes: &[(u32, u32)]) -> bool {
+        let mut concerned: Vec<u32> =
+            changes.iter().flat_map(|&(f, new)| [new, self.labels[f as usize]]).collect();
+        concerned.sort_unstable();
+        concerned.dedup();
+        let (shape, flatten, labels) = (self.shape, self.flatten, &self.labels);
+        let faces = |chart: u32| (0..labels.len() as u32).filter(move |&f| labels[f as usize] == chart);
+        let distorted: Vec<(u32, f64)> = concerned
+            .into_par_iter()
+            .map(|chart| {
+                let stays = |f: &u32| changes.binary_search_by_key(f, |c| c.0).is_err();
+                let gained = changes.iter().filter(|c| c.1 == chart).map(|c| c.0);
+                let mut after: Vec<u32> = faces(chart).filter(stays).chain(gained).collect();
+                after.sort_unstable();
+                (chart, distortion(shape, flatten, &after))
+            })
+            .filter(|(_, after)| *after > DISTORTED)
+            .collect();
+        distorted.into_iter().all(|(chart, after)| {
+            let before = || distortion(shape, flatten, &faces(chart).collect::<Vec<_>>());
+            after < *self.distortions[chart as usize].get_or_insert_with(before)
+        })
     }
 
     /// Centre, radius, the charts that give faces and those that take them.
     fn candidates(&self, arc: &SurveyArc) -> Vec<(u32, f64, Vec<u32>, Vec<u32>)> {
         let shape = self.shape;
         let around = arc.ends.map(|v| self.charts_at(v));
-        let missing = (WANTED - arc.width) * (reach(around[0].len()) + reach(around[1].len()) + 1.0);
+        let missing = (arc.wanted - arc.width) * (reach(around[0].len()) + reach(around[1].len()) + 1.0);
         let mut list = Vec::new();
         for (&v, here) in arc.ends.iter().zip(&around) {
             let others = |x: &[u32]| here.iter().copied().filter(|r| !x.contains(r)).collect::<Vec<_>>();

@@ -25,6 +25,8 @@ pub(super) struct Shape<'a> {
     pub(super) lengths: Vec<f64>,
     /// Crease strength in [0, 1], per half-edge.
     pub(super) creases: Vec<f64>,
+    /// Whether a vertex lies on a crease.
+    pub(super) creased: Vec<bool>,
     /// Distance of the centroids over the middle of the edge, per half-edge.
     pub(super) spans: Vec<f64>,
     /// The dual metric, per half-edge, in [`UNIT`]s.
@@ -67,6 +69,10 @@ impl<'a> Shape<'a> {
             let s = ((angle.to_degrees() - 30.0) / 25.0).clamp(0.0, 1.0);
             creases[h as usize] = s * s * (3.0 - 2.0 * s);
         }
+        let mut creased = vec![false; positions.len()];
+        for h in (0..half_edges as u32).filter(|&h| creases[h as usize] > 0.5) {
+            [topology.tail(h), topology.head(h)].into_iter().for_each(|v| creased[v as usize] = true);
+        }
         let conductances: Vec<f64> = (0..half_edges).map(|h| conductance(lengths[h], spans[h])).collect();
         let diffusion = Diffusion::new(topology, &areas, &conductances, 0.008 * 0.008)?;
         let raw: Vec<DVec3> = vectors.iter().map(|v| v.normalize_or_zero()).collect();
@@ -95,10 +101,22 @@ impl<'a> Shape<'a> {
             normals,
             lengths,
             creases,
+            creased,
             spans,
             weights,
             median_edge,
         })
+    }
+}
+
+/// See [`Shape::modesty`].
+const MODEST: f64 = 1.0 / 3.0;
+
+impl Shape<'_> {
+    /// Width that blends along an arc with these ends should have, as a share of what is wanted elsewhere. Between corners on creases they
+    /// have to be narrow anyway, and a longer arc would leave the creases: the sides of a bolt hole would grow into the plane.
+    pub(super) fn modesty(&self, ends: [u32; 2]) -> f64 {
+        if ends.iter().all(|&v| self.creased[v as usize]) { MODEST } else { 1.0 }
     }
 }
 

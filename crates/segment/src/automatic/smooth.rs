@@ -1,10 +1,13 @@
 //! Smoothing of the whole network of borders by threshold dynamics.
 
+use rayon::prelude::*;
+
 use super::diffusion::Diffusion;
+use super::merge::{DISTORTED, distortion};
 use super::shape::{Shape, conductance};
 use super::survey::{Surveyor, border};
-use crate::SegmentError;
 use crate::census::{census, is_border};
+use crate::{Flatten, SegmentError};
 
 /// Scales of the smoothing, coarse to fine: a border moves only where it travels about an edge per step, so that long shallow bends
 /// need a long scale; a short one finds the corners' places.
@@ -12,56 +15,74 @@ const SCALES: [f64; 3] = [0.04, 0.02, 0.012];
 /// Steps per scale.
 const STEPS: usize = 3;
 
-/// Moves the borders by curvature, on several scales: every chart's indicator diffuses and every face takes the chart with the
-/// largest value. Triple corners turn to 120°, and creases hold borders because they hardly conduct. Faces around charts that would
-/// break an invariant keep their label. A scale after which the objective is higher by more than 0.05 is taken back; 0.5 on the coarser
-/// scales, where the corners are held.
-///
-/// # References
-/// Merriman, Bence, Osher, "Motion of multiple junctions: a level set approach", Journal of Computational Physics 112, 1994.
-pub(super) fn smooth_borders(
-    shape: &Shape,
-    labels: Vec<u32>,
-    charts: usize,
-    max_valence: usize,
-) -> Result<Vec<u32>, SegmentError> {
-    let finest = 1.3 * shape.median_edge;
-    let mut labels = labels;
-    for (k, scale) in SCALES.into_iter().enumerate() {
-        // Scales below the mesh's own are one.
-        if k > 0 && SCALES[k - 1] <= finest {
-            break;
-        }
-        let last = k + 1 == SCALES.len() || scale <= finest;
-        labels = smooth_at(
-            shape,
-            labels,
-            charts,
-            max_valence,
-            scale.max(finest),
-            !last,
-            if last { 0.05 } else { 0.5 },
-        )?;
-    }
-    Ok(labels)
+/// One scale of the smoothing.
+struct Scale {
+    /// Distance that diffusion sees.
+    distance: f64,
+    /// Whether the corners stay.
+    pinned: bool,
+    /// How much the objective may rise before the scale is taken back.
+    price: f64,
 }
 
 /// How much the objective may rise for corners of 120°: sharp corners fold every blend, short arcs only make it narrow.
 const SETTLING: f64 = 2.0;
 
-/// Turns the corners to 120° at the scale of the blends, whatever that costs in lengths of arcs.
-pub(super) fn settle_corners(
+/// Moves the borders by curvature, on several scales: every chart's indicator diffuses and every face takes the chart with the
+/// largest value. Triple corners turn to 120°, and creases hold borders because they hardly conduct. Faces around charts that would
+/// break an invariant keep their label, and so do charts that could not be flattened any more. A scale after which the objective is higher by
+/// more than 0.05 is taken back; 0.5 on the coarser scales, where the corners are held.
+///
+/// # References
+/// Merriman, Bence, Osher, "Motion of multiple junctions: a level set approach", Journal of Computational Physics 112, 1994.
+pub(super) fn smooth_borders(
     shape: &Shape,
+    flatten: &(dyn Flatten + Sync),
     labels: Vec<u32>,
     charts: usize,
     max_valence: usize,
 ) -> Result<Vec<u32>, SegmentError> {
     let finest = 1.3 * shape.median_edge;
-    let mut labels = labels;
-    for scale in [0.03, 0.015] {
-        labels = smooth_at(shape, labels, charts, max_valence, f64::max(scale, finest), false, SETTLING)?;
+    // Scales below the mesh's own are one.
+    let count = 1 + SCALES.iter().take(SCALES.len() - 1).take_while(|&&s| s > finest).count();
+    let scales = (0..count).map(|k| {
+        let last = k + 1 == count;
+        Scale { distance: SCALES[k].max(finest), pinned: !last, price: if last { 0.05 } else { 0.5 } }
+    });
+    smooth(shape, flatten, labels, charts, max_valence, scales)
+}
+
+/// Turns the corners to 120° at the scale of the blends, whatever that costs in lengths of arcs.
+pub(super) fn settle_corners(
+    shape: &Shape,
+    flatten: &(dyn Flatten + Sync),
+    labels: Vec<u32>,
+    charts: usize,
+    max_valence: usize,
+) -> Result<Vec<u32>, SegmentError> {
+    let finest = 1.3 * shape.median_edge;
+    let scales = [0.03, 0.015].into_iter().map(|scale| Scale {
+        distance: f64::max(scale, finest),
+        pinned: false,
+        price: SETTLING,
+    });
+    smooth(shape, flatten, labels, charts, max_valence, scales)
+}
+
+fn smooth(
+    shape: &Shape,
+    flatten: &(dyn Flatten + Sync),
+    labels: Vec<u32>,
+    charts: usize,
+    max_valence: usize,
+    scales: impl Iterator<Item = Scale>,
+) -> Result<Vec<u32>, SegmentError> {
+    let mut new = labels.clone();
+    for scale in scales {
+        new = smooth_at(shape, new, charts, max_valence, &scale)?;
     }
-    Ok(labels)
+    keep_flat(shape, flatten, &labels, &mut new, charts, max_valence);
+    Ok(new)
 }
 
 fn smooth_at(
@@ -69,10 +90,9 @@ fn smooth_at(
     labels: Vec<u32>,
     charts: usize,
     max_valence: usize,
-    step: f64,
-    pinned: bool,
-    price: f64,
+    scale: &Scale,
 ) -> Result<Vec<u32>, SegmentError> {
+    let Scale { distance: step, pinned, price } = *scale;
     let conductances: Vec<f64> = (0..shape.lengths.len())
         .map(|h| conductance(shape.lengths[h], shape.spans[h]) * (1.0 - 0.98 * shape.creases[h]))
         .collect();
@@ -106,6 +126,45 @@ fn smooth_at(
         (Some(old), Some(after)) if after <= old + price => new,
         _ => labels,
     })
+}
+
+/// Undoes the changes of charts that can no longer be flattened as they could.
+fn keep_flat(
+    shape: &Shape,
+    flatten: &(dyn Flatten + Sync),
+    before: &[u32],
+    new: &mut [u32],
+    charts: usize,
+    max_valence: usize,
+) {
+    let mut open: Vec<u32> = (0..charts as u32).collect();
+    while !open.is_empty() {
+        let faces = |labels: &[u32], r: u32| -> Vec<u32> {
+            (0..labels.len() as u32).filter(|&f| labels[f as usize] == r).collect()
+        };
+        let worse: Vec<u32> = open
+            .into_par_iter()
+            .filter(|&r| {
+                let [old, now] = [before, &*new].map(|labels| faces(labels, r));
+                if old == now {
+                    return false;
+                }
+                let after = distortion(shape, flatten, &now);
+                after > DISTORTED && after >= distortion(shape, flatten, &old)
+            })
+            .collect();
+        let reference = new.to_vec();
+        for (label, &old) in new.iter_mut().zip(before) {
+            if *label != old && (worse.contains(label) || worse.contains(&old)) {
+                *label = old;
+            }
+        }
+        repair(shape, before, new, charts, max_valence);
+        // Charts beside those that were undone have changed with them.
+        open = reference.iter().zip(&*new).filter(|(a, b)| a != b).flat_map(|(a, b)| [*a, *b]).collect();
+        open.sort_unstable();
+        open.dedup();
+    }
 }
 
 /// The faces within `radius` of a corner.

@@ -8,7 +8,7 @@ use nalgebra::Matrix3;
 use suture_mesh::{Topology, TriMesh};
 
 use super::shape::Shape;
-use super::survey::{Surveyor, border};
+use super::survey::{SurveyArc, Surveyor, border};
 use crate::segmentation::check_mesh;
 use crate::{Limits, SegmentError, Segmentation};
 
@@ -16,12 +16,15 @@ use crate::{Limits, SegmentError, Segmentation};
 const FEWEST: usize = 24;
 /// Smallest part of a cut, as a share of the area.
 const SMALLEST_PART: f64 = 0.08;
+/// Width that arcs of a part admit unless shorter ones are allowed: narrower blends are for want of others.
+const NARROW: f64 = 0.006;
 /// How much the objective of the borders may rise for every unit by which the cut straightens the normals.
 const PRICE: f64 = 1.5;
 
 /// Cuts each of `charts` in two where a valid cut exists, the first part keeping its label and the second one getting a new label
 /// at the end: all other charts stay what they are. Of the cuts between far points, across the long directions of the chart and
 /// between its normals, the one is taken that leaves the straightest parts for the shortest borders.
+/// With `short_arcs` cuts may leave arcs that admit blends narrower than 0.6 % of the diagonal, where there are no others.
 ///
 /// # Errors
 /// As [`Segmentation::from_labels`] for a segmentation that does not belong to the mesh.
@@ -31,6 +34,7 @@ pub fn split_charts(
     segmentation: &Segmentation,
     charts: &[usize],
     limits: Limits,
+    short_arcs: bool,
 ) -> Result<Segmentation, SegmentError> {
     check_mesh(mesh, topology)?;
     let shape = Shape::new(mesh, topology)?;
@@ -42,14 +46,20 @@ pub fn split_charts(
         if boundary.faces.len() < FEWEST {
             continue;
         }
-        let mut best: Option<(f64, Vec<u32>)> = None;
+        let mut best: Option<((bool, f64), Vec<u32>)> = None;
         for part in candidates(&shape, &boundary.faces) {
             let Some(part) = connected(&shape, &boundary.faces, part) else { continue };
             let Some(straightened) = gain(&shape, &boundary.faces, &part) else { continue };
             let mut trial = labels.clone();
             part.iter().for_each(|&f| trial[f as usize] = count as u32);
             let Some(survey) = surveyor.survey(&trial, &border(&shape, &trial), count + 1) else { continue };
-            let score = survey.objective - PRICE * straightened;
+            let beside =
+                |a: &&SurveyArc| a.charts.contains(&(chart as u32)) || a.charts.contains(&(count as u32));
+            let narrow = survey.arcs.iter().filter(beside).any(|a| a.width < NARROW);
+            if narrow && !short_arcs {
+                continue;
+            }
+            let score = (narrow, survey.objective - PRICE * straightened);
             if best.as_ref().is_none_or(|(least, _)| score < *least) {
                 best = Some((score, trial));
             }
@@ -216,7 +226,7 @@ mod tests {
         let automatic = Automatic { options, ..Automatic::default() };
         let before = automatic.segment(&mesh, &topology).unwrap();
         let limits = Limits { max_valence: 6 };
-        let after = split_charts(&mesh, &topology, &before, &[1, 2], limits).unwrap();
+        let after = split_charts(&mesh, &topology, &before, &[1, 2], limits, false).unwrap();
         let n = before.charts.len();
         assert_eq!(after.charts.len(), n + 2);
         for (old, new) in before.labels.iter().zip(&after.labels) {
@@ -234,7 +244,8 @@ mod tests {
         );
         let topology = Topology::build(&mesh).unwrap();
         let segmentation = Segmentation::from_labels(&mesh, &topology, &[0u32, 1, 2, 3]).unwrap();
-        let same = split_charts(&mesh, &topology, &segmentation, &[0, 3], Limits { max_valence: 8 }).unwrap();
+        let same =
+            split_charts(&mesh, &topology, &segmentation, &[0, 3], Limits { max_valence: 8 }, true).unwrap();
         assert_eq!(same.labels, segmentation.labels);
     }
 }

@@ -21,6 +21,8 @@ pub(super) struct SurveyArc {
     pub(super) length: f64,
     /// Admissible width.
     pub(super) width: f64,
+    /// Width that it should admit.
+    pub(super) wanted: f64,
 }
 
 /// A valid partition's arcs and its objective: Σ max(0, 1 − W/w)² over the arcs + 0.3 Σ |e| (1 − 0.9 k) over the border.
@@ -157,13 +159,14 @@ impl<'a> Surveyor<'a> {
             chain.push(shape.positions[ends[1] as usize]);
             let length = smoothed_length(chain);
             let width = width(length, ends.map(|v| sectors[v as usize] as usize));
-            let short = (1.0 - width / WANTED).max(0.0);
+            let wanted = WANTED * shape.modesty(ends);
+            let short = (1.0 - width / wanted).max(0.0);
             survey.objective += short * short;
             for &h in piece {
                 survey.objective += 0.3 * shape.lengths[h as usize] * (1.0 - 0.9 * shape.creases[h as usize]);
             }
             let middle = topology.tail(piece[piece.len() / 2]);
-            survey.arcs.push(SurveyArc { charts: [left, right], ends, middle, length, width });
+            survey.arcs.push(SurveyArc { charts: [left, right], ends, middle, length, width, wanted });
         }
     }
 }

@@ -2,15 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use super::merge::smoothed;
+use super::merge::{DISTORTED, distortion, smoothed};
 use super::shape::Shape;
 use super::survey::WANTED;
-use crate::{Limits, Segmentation};
+use crate::{Flatten, Limits, Segmentation};
 
 /// Gives charts thinner than `least` diagonals (area over half the circumference) to the neighbours with the longest borders, as long as a
-/// partition remains and no arc becomes too short for blends. Thin charts beside each other go together: alone, one may leave the other with two corners.
+/// partition remains, no arc becomes too short for blends and the neighbours can still be flattened. Thin charts beside each other go together: alone, one may leave the other with two corners.
 pub(super) fn absorb_thin(
     shape: &Shape<'_>,
+    flatten: &dyn Flatten,
     mut now: Segmentation,
     limits: Limits,
     least: f64,
@@ -26,7 +27,9 @@ pub(super) fn absorb_thin(
                 else {
                     continue;
                 };
-                if narrowest(shape, &next) >= before {
+                let grown = next.labels[now.charts[neighbour as usize].faces[0] as usize];
+                let faces = &next.charts[grown as usize].faces;
+                if narrowest(shape, &next) >= before && distortion(shape, flatten, faces) <= DISTORTED {
                     now = next;
                     continue 'again;
                 }
@@ -96,6 +99,7 @@ mod tests {
     use suture_mesh::{Topology, TriMesh, shapes};
 
     use super::*;
+    use crate::NormalSpread;
 
     #[test]
     fn thin_charts_go_to_a_neighbour_together() {
@@ -119,8 +123,9 @@ mod tests {
         let before = Segmentation::from_labels_with(&mesh, &topology, &labels, limits).unwrap();
         assert_eq!(before.charts.len(), 8);
         let shape = Shape::new(&mesh, &topology).unwrap();
-        assert_eq!(absorb_thin(&shape, before.clone(), limits, 0.01).charts.len(), 8);
-        let after = absorb_thin(&shape, before, limits, 0.06);
+        let flatten = NormalSpread::default();
+        assert_eq!(absorb_thin(&shape, &flatten, before.clone(), limits, 0.01).charts.len(), 8);
+        let after = absorb_thin(&shape, &flatten, before, limits, 0.06);
         assert_eq!((after.charts.len(), after.corners.len(), after.arcs.len()), (6, 8, 12));
     }
 }
