@@ -231,9 +231,9 @@ fn flatten(context: &Charting<'_>, segment: usize, disc: Disc) -> Result<Chart, 
 }
 
 fn fit(context: &Charting<'_>, segment: usize, collar: f64, chart: Chart) -> Result<Charted, SutureError> {
-    // A crease or a handle may stop the collar short: there the B-spline continues on its own.
-    // Half a knot spacing, about an edge, it does so without harm.
-    let reach = collar.max(chart.disc.reach.unwrap_or(0.0)).max(context.edge);
+    // A crease or a handle may stop the collar short: there the B-spline continues on its own. It does so without harm for half an edge (spot:
+    // with a whole one blends were 0.8 % off where both surfaces were fitted to 0.2 %).
+    let reach = collar.max(chart.disc.reach.unwrap_or(0.0)).max(0.5 * context.edge);
     let input = FitInput {
         points: &chart.disc.positions,
         params: &chart.uv,

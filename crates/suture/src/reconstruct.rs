@@ -160,6 +160,8 @@ impl Default for Fairness {
 pub struct Reconstruction {
     /// The mesh that was fitted: the given one, refined where it is coarse. Its first vertices are those of the given mesh.
     pub mesh: TriMesh,
+    /// The vertices at knife edges that were moved before, ascending.
+    pub moved: Vec<u32>,
     /// Segments, corners and arcs of that mesh.
     pub segmentation: Segmentation,
     /// The segment of every face of the given mesh; that of one of its parts where a border runs through it.
@@ -291,6 +293,7 @@ pub fn reconstruct(
     let labels = holders.into_iter().map(|f| segmentation.labels[f as usize]).collect();
     Ok(Reconstruction {
         mesh: refined.mesh,
+        moved: ironed.moved,
         segmentation,
         labels,
         charts,

@@ -172,6 +172,9 @@ pub struct CertificateReport {
 pub struct DeviationReport {
     /// From the vertices of the mesh to the surface: the fidelity.
     pub mesh_to_surface: DistanceReport,
+    /// The same without the vertices at knife edges that were moved before fitting; none where none was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unmoved_to_surface: Option<DistanceReport>,
     /// From the surface to the facets of the mesh: their sagitta is its floor.
     pub surface_to_mesh: DistanceReport,
     /// From the vertices to the surface, by the kind of the nearest patch.
@@ -329,6 +332,19 @@ impl Report {
             .collect();
         self.describe_certificate(&r.certificate);
         self.describe_deviation(&r.deviation);
+        if let Some(deviation) = self.deviation.as_mut().filter(|_| !r.moved.is_empty()) {
+            let unmoved = |v: &usize| r.moved.binary_search(&(*v as u32)).is_err();
+            let left: Vec<f64> = (0..r.deviation.mesh_distances.len())
+                .filter(unmoved)
+                .map(|v| r.deviation.mesh_distances[v])
+                .collect();
+            let n = left.len().max(1) as f64;
+            deviation.unmoved_to_surface = Some(DistanceReport {
+                mean: left.iter().sum::<f64>() / n,
+                rms: (left.iter().map(|d| d * d).sum::<f64>() / n).sqrt(),
+                max: left.iter().copied().fold(0.0, f64::max),
+            });
+        }
         self.describe_tessellation(&r.tessellation);
         self.seconds = r.seconds.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
         self.warnings.extend(r.warnings.iter().cloned());
@@ -392,6 +408,7 @@ impl Report {
             });
         self.deviation = Some(DeviationReport {
             mesh_to_surface: distances(&d.mesh_to_surface),
+            unmoved_to_surface: None,
             surface_to_mesh: distances(&d.surface_to_mesh),
             kinds: kinds.iter().map(|(name, stats)| (name.clone(), distances(stats))).collect(),
         });
