@@ -339,6 +339,50 @@ mod tests {
     }
 
     #[test]
+    fn slivers_in_planes_are_turned_before_they_are_split() {
+        // A long box whose ends are fine and whose sides are fans of slivers between them.
+        let (n, at) = (8u32, |k: u32, x: f64| {
+            let t = f64::from(k % 8);
+            let (y, z) = match k / 8 {
+                0 => (t, 0.0),
+                1 => (8.0, t),
+                2 => (8.0 - t, 8.0),
+                _ => (0.0, 8.0 - t),
+            };
+            DVec3::new(x, y, z) / 8.0
+        });
+        let mut points: Vec<DVec3> =
+            (0..4 * n).map(|k| at(k, 0.0)).chain((0..4 * n).map(|k| at(k, 32.0))).collect();
+        points.extend([DVec3::new(0.0, 0.5, 0.5), DVec3::new(4.0, 0.5, 0.5)]);
+        let (low, high) = (8 * n, 8 * n + 1);
+        let mut faces = Vec::new();
+        for side in 0..4 {
+            for k in 0..n {
+                let (a, b) = (side * n + k, (side * n + k + 1) % (4 * n));
+                let last = 4 * n + (side + 1) * n % (4 * n);
+                faces.extend([[low, b, a], [high, 4 * n + a, 4 * n + b]]);
+                // Every vertex of one end is joined with the first one of the side at the other.
+                faces.extend([[a, b, last], [4 * n + a, side * n, 4 * n + b]]);
+            }
+        }
+        let box_ = TriMesh::new(points, faces);
+        assert!(check(&box_).is_sound() && check(&box_).closed);
+        let with = |flat| refine_curved(&box_, &RefineOptions { flat, ..options(1.0) }).unwrap();
+        let (plain, turned) = (with(None), with(Some(1e-9)));
+        assert!(check(&turned.mesh).is_sound() && check(&turned.mesh).closed);
+        assert!(turned.mesh.faces.len() < plain.mesh.faces.len());
+        let topology = Topology::build(&turned.mesh).unwrap();
+        for (f, holder) in turned.holders(&box_, &topology).into_iter().enumerate() {
+            let centroid = box_.corners(f).into_iter().sum::<DVec3>() / 3.0;
+            let [a, b, c] = turned.mesh.corners(holder as usize);
+            let n = (b - a).cross(c - a);
+            for (p, q) in [(a, b), (b, c), (c, a)] {
+                assert!((q - p).cross(centroid - p).dot(n) > -1e-9 * n.length_squared());
+            }
+        }
+    }
+
+    #[test]
     fn what_is_fine_stays() {
         let mesh = shapes::torus(2.0, 0.5, 64, 32);
         let same = refine_curved(&mesh, &options(1.0)).unwrap();
