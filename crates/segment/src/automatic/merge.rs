@@ -55,12 +55,7 @@ pub(super) fn distortion(shape: &Shape, flatten: &dyn Flatten, faces: &[u32]) ->
     for &f in faces {
         area += shape.areas[f as usize];
         normal += shape.areas[f as usize] * shape.normals[f as usize];
-        for h in 3 * f..3 * f + 3 {
-            let inside = |o: u32| faces.binary_search(&(o / 3)).is_ok();
-            if shape.creases[h as usize] > 0.0 && shape.topology.opposite(h).is_some_and(inside) {
-                crease += 0.5 * shape.lengths[h as usize] * shape.creases[h as usize];
-            }
-        }
+        crease += shape.crease_inside(f as usize, |g| faces.binary_search(&(g as u32)).is_ok());
     }
     if 1.0 - normal.length() / area <= CURVED && crease <= NOTCH * area.sqrt() {
         return 1.0;
@@ -151,12 +146,8 @@ impl<'a> Map<'a> {
                     new.area += shape.areas[f];
                     new.normal += shape.areas[f] * shape.normals[f];
                     new.moment += shape.areas[f] * shape.centroids[f];
-                    for h in 3 * f..3 * f + 3 {
-                        let inside = |o: u32| segmentation.labels[o as usize / 3] == segmentation.labels[f];
-                        if topology.opposite(h as u32).is_some_and(inside) {
-                            new.crease += 0.5 * shape.lengths[h] * shape.creases[h];
-                        }
-                    }
+                    new.crease +=
+                        shape.crease_inside(f, |g| segmentation.labels[g] == segmentation.labels[f]);
                 }
                 Some(new)
             })

@@ -113,6 +113,13 @@ impl<'a> Shape<'a> {
 const MODEST: f64 = 1.0 / 3.0;
 
 impl Shape<'_> {
+    /// Half the length of the creases between a face and its neighbours that are inside.
+    pub(super) fn crease_inside(&self, face: usize, inside: impl Fn(usize) -> bool) -> f64 {
+        let creased = (3 * face..3 * face + 3).filter(|&h| self.creases[h] > 0.0);
+        let within = |h: &usize| self.topology.opposite(*h as u32).is_some_and(|o| inside(o as usize / 3));
+        creased.filter(within).map(|h| 0.5 * self.lengths[h] * self.creases[h]).sum()
+    }
+
     /// Width that blends along an arc with these ends should have, as a share of what is wanted elsewhere. Between corners on creases they
     /// have to be narrow anyway, and a longer arc would leave the creases: the sides of a bolt hole would grow into the plane.
     pub(super) fn modesty(&self, ends: [u32; 2]) -> f64 {
