@@ -52,18 +52,20 @@ impl Obstacle {
     }
 }
 
-/// Smallest Jacobian of any map relative to its largest, and everything that is wrong.
+/// Smallest Jacobian of any map relative to its largest, how far blended points are apart, and everything that is wrong.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapReport {
     /// Smallest over all strip maps of (smallest Jacobian)/(largest Jacobian); 1 for affine maps.
     pub jacobian: f64,
+    /// Largest distance of two points that a strip blends, in widths of the blend.
+    pub separation: f64,
     /// What is wrong, empty for usable maps.
     pub obstacles: Vec<Obstacle>,
 }
 
 impl MapReport {
     fn clear() -> Self {
-        Self { jacobian: 1.0, obstacles: Vec::new() }
+        Self { jacobian: 1.0, separation: 0.0, obstacles: Vec::new() }
     }
 }
 
@@ -121,6 +123,7 @@ impl Findings {
         let mut report = MapReport::clear();
         for part in self.corners.iter().chain(&self.arcs).chain(&self.loops) {
             report.jacobian = report.jacobian.min(part.jacobian);
+            report.separation = report.separation.max(part.separation);
             report.obstacles.extend(part.obstacles.iter().cloned());
         }
         report
@@ -225,6 +228,7 @@ fn check_apart(
     report: &mut MapReport,
 ) {
     let distance = apart(network, sides, down.iter().zip(&up).map(|(d, u)| (d.p, u.p)));
+    report.separation = report.separation.max(distance / width);
     let excess = distance - MOST_APART * width;
     // The gap on the arc matters to few strips.
     let gap = || {

@@ -137,6 +137,8 @@ pub struct SurfaceReport {
     pub widths: Option<[f64; 2]>,
     /// Smallest Jacobian of a strip map relative to its largest.
     pub smallest_jacobian: Option<f64>,
+    /// Largest distance of two points that a strip blends, in widths of the blend; none without blends.
+    pub largest_separation: Option<f64>,
     /// What a method of one patch per face counted and proved, by its own names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub construction: Option<serde_json::Value>,
@@ -315,6 +317,7 @@ impl Report {
             patches_merged: charts + corners + r.blend.merged_strips,
             widths: Some([low / diagonal, high / diagonal]),
             smallest_jacobian: Some(r.blend.maps.jacobian),
+            largest_separation: Some(r.blend.maps.separation),
             construction: None,
         });
         self.fits = r
