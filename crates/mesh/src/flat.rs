@@ -166,7 +166,6 @@ mod tests {
 
     #[test]
     fn slivers_in_a_plane_go() {
-        // A strip of a plane between a coarse and a fine side, all fine vertices joined with one coarse one.
         let mesh = shapes::cuboid(DVec3::new(4.0, 1.0, 1.0), 6);
         let mut skew = mesh.clone();
         // Shear the vertices inside the planes: the edges no longer suit them.

@@ -90,8 +90,10 @@ pub fn refine_curved(mesh: &TriMesh, options: &RefineOptions) -> Result<Refined,
         mesh: TriMesh::new(mesh.positions.clone(), mesh.faces.clone()),
         parents: (0..mesh.faces.len() as u32).collect(),
     };
-    for _ in 0..options.rounds {
+    if options.rounds > 0 {
         now.turn(options)?;
+    }
+    for _ in 0..options.rounds {
         let topology = Topology::build(&now.mesh)?;
         let round = Round::new(&now.mesh, &topology, options);
         let marked = round.marked();

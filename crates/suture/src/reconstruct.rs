@@ -105,8 +105,9 @@ impl Refinement {
         IronOptions { sharpest: self.sharpest, rest: 1.0, sweeps: IRON_SWEEPS }
     }
 
-    /// Where segments name faces, these keep their edges.
-    fn resolve(&self, width: f64, diagonal: f64, turns: bool) -> RefineOptions {
+    /// For blends of the `wanted` width, relative to the diagonal; edges in planes may turn where no segments name faces.
+    fn resolve(&self, wanted: f64, diagonal: f64, turns: bool) -> RefineOptions {
+        let width = wanted * diagonal;
         RefineOptions {
             longest: self.longest * width,
             turn: self.turn,
@@ -209,14 +210,8 @@ pub fn reconstruct(
         ));
     }
     let mesh = &TriMesh::new(ironed.positions, mesh.faces.clone());
-    let refined = refine_curved(
-        mesh,
-        &options.refinement.resolve(
-            options.widths.wanted * diagonal,
-            diagonal,
-            !stages.segment.names_the_mesh(),
-        ),
-    )?;
+    let chosen = stages.segment.names_the_mesh();
+    let refined = refine_curved(mesh, &options.refinement.resolve(options.widths.wanted, diagonal, !chosen))?;
     if refined.mesh.faces.len() > original.faces.len() {
         let (before, after) = (original.faces.len(), refined.mesh.faces.len());
         warnings
@@ -226,11 +221,11 @@ pub fn reconstruct(
     let coarse_topology = topology;
     let topology = Topology::build(mesh)?;
     let segmentation = clock.run(Stage::Segment, 1, || {
-        if !stages.segment.names_the_mesh() {
+        if !chosen {
             return Ok(stages.segment.segment(mesh, &topology)?);
         }
-        let named = stages.segment.segment(coarse, &coarse_topology)?;
-        let labels: Vec<u32> = refined.parents.iter().map(|&f| named.labels[f as usize]).collect();
+        let coarsely = stages.segment.segment(coarse, &coarse_topology)?;
+        let labels: Vec<u32> = refined.parents.iter().map(|&f| coarsely.labels[f as usize]).collect();
         let limits = Limits { max_valence: usize::MAX };
         Ok(Segmentation::from_labels_with(mesh, &topology, &labels, limits)?)
     })?;
@@ -249,7 +244,7 @@ pub fn reconstruct(
     }
     let mut round = 0;
     // Folding blends are borne at creases, between segments that somebody chose, and elsewhere where another segmentation did not help.
-    let mut patience = if stages.segment.names_the_mesh() { 0 } else { options.splits.rounds.min(PATIENCE) };
+    let mut patience = if chosen { 0 } else { options.splits.rounds.min(PATIENCE) };
     let blend = loop {
         let State { segmentation, charted, .. } = &state;
         let sewn = clock.run(Stage::Blend, 1, || {
